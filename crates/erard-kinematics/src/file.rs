@@ -140,7 +140,7 @@ fn convert(file: &LinkageToml, file_name: &str) -> Result<LinkageFile, Fault> {
         lengths: Lengths::from(lengths),
         key_front: reader.scalar(&file.key.front_mm, positive)? / MM_PER_M,
         key_rest: reader.scalar(&file.key.rest_deg, Limits::symmetric(360.0, "degrees"))?.to_radians(),
-        head: reader.point_m(&file.hammer.head_mm)?,
+        head: reader.point_m(&file.hammer.head_mm, LENGTH_MM)?,
     };
     let (mut blow_m, mut let_off_m) = (USUAL_BLOW_M, USUAL_LET_OFF_M);
     if let Some(regulation) = &file.regulation {

@@ -142,13 +142,13 @@ impl Unit {
         for (variable, mass_kg) in self.changed(values) {
             let Role::Mass(body) = variable.role else { continue };
             let Variable { name, .. } = variable;
-            let own = [format!("{name}_g"), name.replace(".mass", ".inertia_kg_m2")];
+            let parameter = Parameter::Mass(body);
+            let own = parameter.paths(instrument);
             if let Some((path, ..)) = changes.iter().find(|(path, ..)| own.contains(path)) {
                 return Err(format!(
                     "`{name}` and `{path}` are both set: set the mass with its inertia, or each by itself"
                 ));
             }
-            let parameter = Parameter::Mass(body);
             let drawn_kg = parameter.value(instrument);
             let (factor, [least, most]) = (mass_kg / drawn_kg, parameter.range());
             if !(least..=most).contains(&factor) {

@@ -8,7 +8,7 @@ use crate::regulate::{Goal, RegulateError, Specification, Status, regulate};
 use crate::weighing::touch;
 use erard::Progress;
 use erard::grand::Parts;
-use erard::instrument::{Instrument, InstrumentFile, with_numbers};
+use erard::instrument::{FileNumber, Instrument, InstrumentFile, with_numbers};
 use erard::parameter::ten_digits;
 
 const MM_PER_M: f64 = 1e3;
@@ -179,10 +179,10 @@ impl Aim {
         let center_m = (key.mass_kg * key.center_of_mass_m[0] + lead_kg * at_m[0]) / mass_kg;
         let inertia = key.inertia_kg_m2 + lead_kg * (at_m[0] * at_m[0] + at_m[1] * at_m[1]);
         let changes = [
-            (format!("body.{}.friction_torque_N_m", pinned.name), torque),
-            (format!("body.{}.mass_g", key.name), 1e3 * mass_kg),
-            (format!("body.{}.center_of_mass_mm", key.name), MM_PER_M * center_m),
-            (format!("body.{}.inertia_kg_m2", key.name), inertia),
+            (FileNumber::BODY_FRICTION.path(&pinned.name), torque),
+            (FileNumber::BODY_MASS.path(&key.name), 1e3 * mass_kg),
+            (FileNumber::BODY_CENTER.path(&key.name), MM_PER_M * center_m),
+            (FileNumber::BODY_INERTIA.path(&key.name), inertia),
         ];
         let changes: Vec<_> = changes.iter().map(|(path, value)| (path.as_str(), 0, ten_digits(*value))).collect();
         with_numbers(text, &changes).ok_or(Unfit::Implausible)

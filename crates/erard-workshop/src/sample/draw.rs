@@ -1,7 +1,7 @@
 //! Numbers of a sample: each with a spread deviates from the file's.
 
 use super::random::deviation;
-use erard::instrument::{CitedNumber, InstrumentFile, Spread, with_numbers};
+use erard::instrument::{CitedNumber, FileNumber, InstrumentFile, Spread, with_numbers};
 use erard::parameter::ten_digits;
 
 /// Share of its thickness at which a felt's force is kept when its exponent deviates.
@@ -47,13 +47,13 @@ fn is_exact(spread: Spread) -> bool {
 fn keep_the_sizing<'a>(numbers: &'a [CitedNumber], changes: &mut Vec<(&'a str, usize, f64)>) {
     let value =
         |key: &str| numbers.iter().find(|number| number.key == key).and_then(|number| number.values.first().copied());
-    let exponents: Vec<(&str, f64)> =
-        changes.iter().filter(|(key, ..)| key.ends_with(".exponent")).map(|(key, _, value)| (*key, *value)).collect();
-    for (key, new) in exponents {
-        let felt = key.trim_end_matches(".exponent");
+    let zone_of = |(key, _, new): &(&'a str, usize, f64)| Some((FileNumber::FELT_EXPONENT.part_of(key)?, *key, *new));
+    let exponents: Vec<(&str, &str, f64)> = changes.iter().filter_map(zone_of).collect();
+    for (zone, key, new) in exponents {
         let Some(old) = value(key) else { continue };
-        let depth_m = value(&format!("{felt}.thickness_mm")).map_or(SIZED_AT_M, |mm| 1e-3 * mm * SIZED_AT);
-        let stiffness = format!("{felt}.stiffness_N_per_m_r");
+        let thickness = FileNumber::FELT_THICKNESS.path(zone);
+        let depth_m = value(&thickness).map_or(SIZED_AT_M, |mm| 1e-3 * mm * SIZED_AT);
+        let stiffness = FileNumber::FELT_STIFFNESS.path(zone);
         let factor = libm::pow(depth_m, old - new);
         if let Some((_, _, k)) = changes.iter_mut().find(|(key, ..)| *key == stiffness) {
             *k *= factor;

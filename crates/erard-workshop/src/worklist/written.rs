@@ -1,7 +1,7 @@
 //! Instrument file after a work list: the same text with other numbers.
 
 use super::Worklist;
-use erard::instrument::{Instrument, RewriteError, numbers_at, with_numbers};
+use erard::instrument::{FileNumber, Instrument, RewriteError, numbers_at, with_numbers};
 
 const G: f64 = 1e3;
 const MM: f64 = 1e3;
@@ -21,17 +21,17 @@ impl Worklist {
         let mut changes: Vec<(String, usize, f64)> = Vec::new();
         for (old, new) in begun.bodies.iter().zip(&self.copy.bodies) {
             let name = &new.name;
-            let mut number = |key: &str, component: usize, [old, new]: [f64; 2]| {
+            let mut number = |number: FileNumber, component: usize, [old, new]: [f64; 2]| {
                 if old != new {
-                    changes.push((format!("body.{name}.{key}"), component, new));
+                    changes.push((number.path(name), component, new));
                 }
             };
-            number("mass_g", 0, [old.mass_kg, new.mass_kg].map(|kg| kg * G));
-            number("inertia_kg_m2", 0, [old.inertia_kg_m2, new.inertia_kg_m2]);
-            number("friction_torque_N_m", 0, [old.friction_torque_n_m, new.friction_torque_n_m]);
+            number(FileNumber::BODY_MASS, 0, [old.mass_kg, new.mass_kg].map(|kg| kg * G));
+            number(FileNumber::BODY_INERTIA, 0, [old.inertia_kg_m2, new.inertia_kg_m2]);
+            number(FileNumber::BODY_FRICTION, 0, [old.friction_torque_n_m, new.friction_torque_n_m]);
             for component in 0..2 {
                 let place = [old, new].map(|body| body.center_of_mass_m[component] * MM);
-                number("center_of_mass_mm", component, place);
+                number(FileNumber::BODY_CENTER, component, place);
             }
         }
         // A zone's place in the file is the drawn one, from which the screws' settings are counted.
@@ -44,7 +44,7 @@ impl Worklist {
         };
         for (old, new) in by_screws(begun).zones.iter().zip(&by_screws(&self.copy).zones) {
             let by_mm = (new.disc_center_m[0] - old.disc_center_m[0]) * MM;
-            let path = format!("zone.{}.disc.center_mm", new.name);
+            let path = FileNumber::DISC_CENTER.path(&new.name);
             if by_mm.abs() > 1e-6 {
                 let there = numbers_at(&turned, &path).ok_or_else(|| RewriteError::NoNumber(path.clone()))?;
                 changes.push((path, 0, there[0] + by_mm));

@@ -4,14 +4,13 @@ use std::ops::Range;
 
 use super::error::Fault;
 use super::felt::read_felt;
+use super::file_number::FileNumber;
 use super::format::{
     BodyToml, DiscToml, FORMAT, InstrumentToml, OneDofToml, PartToml, RolesToml, ScrewSide, ScrewToml, SpringToml,
     ZoneToml,
 };
 use super::quantity::{At, Num, Pair, Positive, Real};
-use super::reader::{
-    G_PER_KG, GROUND, LENGTH_MM, Limits, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name, title,
-};
+use super::reader::{G_PER_KG, GROUND, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name, title};
 use super::strings::{read_bridge, read_strings};
 use super::{
     Body, Curve, Dwell, Finger, Instrument, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_ZONES,
@@ -37,7 +36,7 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
     let mut reader = Reader::new(&file.sources);
     let mut instrument = Instrument {
         name: title(&file.name, "an instrument")?,
-        gravity_m_s2: reader.scalar(&file.gravity_m_s2, Limits::up_to(1e3, "m/s2"))?,
+        gravity_m_s2: reader.scalar(&file.gravity_m_s2, FileNumber::GRAVITY)?,
         bodies: Vec::new(),
         springs: Vec::new(),
         zones: Vec::new(),
@@ -74,8 +73,8 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
     match (&file.finger, &file.roles) {
         (Some(finger), _) => {
             instrument.finger = Finger {
-                stiffness_n_per_m: reader.scalar(&finger.stiffness_n_per_m, Limits::between(1e-3, 1e9, "N/m"))?,
-                damping_n_s_per_m: reader.scalar(&finger.damping_n_s_per_m, Limits::up_to(1e6, "N s/m"))?,
+                stiffness_n_per_m: reader.scalar(&finger.stiffness_n_per_m, FileNumber::FINGER_STIFFNESS)?,
+                damping_n_s_per_m: reader.scalar(&finger.damping_n_s_per_m, FileNumber::FINGER_DAMPING)?,
             }
         }
         (None, roles) => {
@@ -163,8 +162,8 @@ fn read_bushings(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &
             }
             continue;
         };
-        let n_per_m = reader.scalar(stiffness, Limits::between(1e2, 1e9, "N/m"))?;
-        let n_s_per_m = reader.scalar_or_zero(table.bushing_n_s_per_m.as_ref(), Limits::up_to(1e6, "N s/m"))?;
+        let n_per_m = reader.scalar(stiffness, FileNumber::BUSHING_STIFFNESS)?;
+        let n_s_per_m = reader.scalar_or_zero(table.bushing_n_s_per_m.as_ref(), FileNumber::BUSHING_DAMPING)?;
         let body = index_of(&table.name, "body", instrument.bodies.iter().map(|body| body.name.as_str()))?;
         if instrument.bodies[body].is_bend {
             let expected = "a bushing on the piece that has the part's own pivot";
@@ -191,14 +190,14 @@ fn read_dwell(
     ratio: Option<&Num<Positive>>,
     time: Option<&Num<Positive>>,
     friction: f64,
+    [ratio_of, time_of]: [FileNumber; 2],
     reader: &mut Reader<'_>,
 ) -> Result<Option<Dwell>, Fault> {
     match (ratio, time) {
         (None, None) => Ok(None),
-        (Some(ratio), Some(time)) if friction > 0.0 => Ok(Some(Dwell {
-            ratio: reader.scalar(ratio, Limits::between(1.0, 100.0, ""))?,
-            time_s: reader.scalar(time, Limits::between(1e-6, 1e6, "s"))?,
-        })),
+        (Some(ratio), Some(time)) if friction > 0.0 => {
+            Ok(Some(Dwell { ratio: reader.scalar(ratio, ratio_of)?, time_s: reader.scalar(time, time_of)? }))
+        }
         (Some(ratio), Some(_)) => {
             Err(Fault::at(ratio.span(), "`static_friction_ratio` needs dry friction", "a friction greater than 0"))
         }
@@ -231,14 +230,14 @@ fn parents_first(parents: &[Option<usize>]) -> Result<Vec<usize>, usize> {
 }
 
 fn read_body(table: &At<BodyToml>, name: &str, parent: Option<usize>, reader: &mut Reader<'_>) -> Result<Body, Fault> {
-    let pivot_m = reader.point_m(&table.pivot_mm)?;
+    let pivot_m = reader.point_m(&table.pivot_mm, FileNumber::BODY_PIVOT)?;
     let angle_rad = match &table.angle_deg {
         None => 0.0,
-        Some(angle) => reader.scalar(angle, Limits::symmetric(360.0, "degrees"))?.to_radians(),
+        Some(angle) => reader.scalar(angle, FileNumber::BODY_ANGLE)?.to_radians(),
     };
-    let mass_kg = reader.scalar(&table.mass_g, Limits::between(1e-6, 1e6, "g"))? / G_PER_KG;
-    let inertia_kg_m2 = reader.scalar(&table.inertia_kg_m2, Limits::between(1e-15, 1e6, "kg m2"))?;
-    let center_of_mass_m = reader.point_m(&table.center_of_mass_mm)?;
+    let mass_kg = reader.scalar(&table.mass_g, FileNumber::BODY_MASS)? / G_PER_KG;
+    let inertia_kg_m2 = reader.scalar(&table.inertia_kg_m2, FileNumber::BODY_INERTIA)?;
+    let center_of_mass_m = reader.point_m(&table.center_of_mass_mm, FileNumber::BODY_CENTER)?;
     let [x, y] = center_of_mass_m;
     let point_mass = mass_kg * (x * x + y * y);
     if inertia_kg_m2 < point_mass * (1.0 - PARALLEL_AXIS_TOLERANCE) {
@@ -248,7 +247,7 @@ fn read_body(table: &At<BodyToml>, name: &str, parent: Option<usize>, reader: &m
             format!("at least mass times squared distance, {point_mass:.3e} kg m2"),
         ));
     }
-    let friction_torque_n_m = reader.scalar_or_zero(table.friction_torque_n_m.as_ref(), Limits::up_to(1e6, "N m"))?;
+    let friction_torque_n_m = reader.scalar_or_zero(table.friction_torque_n_m.as_ref(), FileNumber::BODY_FRICTION)?;
     let (ratio, time) = (table.static_friction_ratio.as_ref(), table.dwell_s.as_ref());
     Ok(Body {
         name: name.to_owned(),
@@ -259,8 +258,14 @@ fn read_body(table: &At<BodyToml>, name: &str, parent: Option<usize>, reader: &m
         inertia_kg_m2,
         center_of_mass_m,
         friction_torque_n_m,
-        dwell: read_dwell(ratio, time, friction_torque_n_m, reader)?,
-        viscous_n_m_s: reader.scalar_or_zero(table.viscous_n_m_s.as_ref(), Limits::up_to(1e6, "N m s"))?,
+        dwell: read_dwell(
+            ratio,
+            time,
+            friction_torque_n_m,
+            [FileNumber::BODY_STATIC_RATIO, FileNumber::BODY_DWELL],
+            reader,
+        )?,
+        viscous_n_m_s: reader.scalar_or_zero(table.viscous_n_m_s.as_ref(), FileNumber::BODY_VISCOUS)?,
         is_bend: read_bend(table, parent)?,
         turn_rad: table.turn_deg.as_ref().map(|turn| read_turn(turn, reader)).transpose()?,
     })
@@ -297,7 +302,7 @@ fn check_bends(tables: &[At<BodyToml>], instrument: &Instrument) -> Result<(), F
 
 /// Reads the range of angle that a body's stops allow, rad.
 fn read_turn(turn: &Num<Pair>, reader: &mut Reader<'_>) -> Result<[f64; 2], Fault> {
-    let [low, high] = reader.pair(turn, Limits::symmetric(360.0, "degrees"))?;
+    let [low, high] = reader.pair(turn, FileNumber::BODY_TURN)?;
     if !(low <= 0.0 && high >= 0.0 && low < high) {
         return Err(Fault::at(
             turn.value_span(),
@@ -312,8 +317,8 @@ fn read_spring(table: &At<SpringToml>, reader: &mut Reader<'_>, instrument: &Ins
     Ok(Spring {
         name: new_name(&table.name, "spring", instrument.springs.iter().map(|spring| spring.name.as_str()))?,
         body: index_of(&table.body, "body", instrument.bodies.iter().map(|body| body.name.as_str()))?,
-        torque_n_m: reader.scalar(&table.torque_n_m, Limits::symmetric(1e6, "N m"))?,
-        stiffness_n_m_per_rad: reader.scalar(&table.stiffness_n_m_per_rad, Limits::up_to(1e9, "N m/rad"))?,
+        torque_n_m: reader.scalar(&table.torque_n_m, FileNumber::SPRING_TORQUE)?,
+        stiffness_n_m_per_rad: reader.scalar(&table.stiffness_n_m_per_rad, FileNumber::SPRING_STIFFNESS)?,
     })
 }
 
@@ -333,12 +338,13 @@ fn read_zone(table: &At<ZoneToml>, reader: &mut Reader<'_>, instrument: &Instrum
         ));
     }
     let label = label(table.label.as_ref(), "a zone", &name)?;
-    let (disc_body, disc_center_m, disc_radius_m) = read_disc(&table.disc, reader, instrument)?;
+    let (disc_body, disc_center_m, disc_radius_m) =
+        read_disc(&table.disc, [FileNumber::DISC_CENTER, FileNumber::DISC_RADIUS], reader, instrument)?;
     let (curve_body, curve, curve_body_span) = read_curve(table, reader, instrument)?;
     if disc_body == curve_body {
         return Err(Fault::at(curve_body_span, "both sides of this zone are on the same body", "another body"));
     }
-    let friction_coefficient = reader.scalar_or_zero(table.friction_coefficient.as_ref(), Limits::up_to(100.0, ""))?;
+    let friction_coefficient = reader.scalar_or_zero(table.friction_coefficient.as_ref(), FileNumber::ZONE_FRICTION)?;
     let (ratio, time) = (table.static_friction_ratio.as_ref(), table.dwell_s.as_ref());
     Ok(Zone {
         name,
@@ -350,19 +356,26 @@ fn read_zone(table: &At<ZoneToml>, reader: &mut Reader<'_>, instrument: &Instrum
         curve,
         felt: read_felt(&table.felt, reader)?,
         friction_coefficient,
-        dwell: read_dwell(ratio, time, friction_coefficient, reader)?,
+        dwell: read_dwell(
+            ratio,
+            time,
+            friction_coefficient,
+            [FileNumber::ZONE_STATIC_RATIO, FileNumber::ZONE_DWELL],
+            reader,
+        )?,
     })
 }
 
 /// Reads a disc: its body, its centre, m, and its radius, m.
 fn read_disc(
     table: &DiscToml,
+    [center, radius]: [FileNumber; 2],
     reader: &mut Reader<'_>,
     instrument: &Instrument,
 ) -> Result<(Option<usize>, Vec2, f64), Fault> {
     let body = body_or_ground(&table.body, instrument)?;
-    let center_m = reader.point_m(&table.center_mm)?;
-    let radius_mm = reader.scalar_or_zero(table.radius_mm.as_ref(), Limits::up_to(1e4, "mm"))?;
+    let center_m = reader.point_m(&table.center_mm, center)?;
+    let radius_mm = reader.scalar_or_zero(table.radius_mm.as_ref(), radius)?;
     Ok((body, center_m, radius_mm / MM_PER_M))
 }
 
@@ -376,15 +389,15 @@ fn read_curve(
     match (&table.line, &table.segment, &table.other_disc) {
         (Some(line), None, None) => {
             let body = body_or_ground(&line.body, instrument)?;
-            let point_m = reader.point_m(&line.point_mm)?;
-            let normal = reader.direction(&line.normal)?;
+            let point_m = reader.point_m(&line.point_mm, FileNumber::LINE_POINT)?;
+            let normal = reader.direction(&line.normal, FileNumber::LINE_NORMAL)?;
             Ok((body, Curve::Line { point_m, normal }, line.body.span()))
         }
         (None, Some(segment), None) => {
             let body = body_or_ground(&segment.body, instrument)?;
-            let from_m = reader.point_m(&segment.from_mm)?;
-            let to_m = reader.point_m(&segment.to_mm)?;
-            let rounding_mm = reader.scalar_or_zero(segment.rounding_mm.as_ref(), Limits::up_to(1e4, "mm"))?;
+            let from_m = reader.point_m(&segment.from_mm, FileNumber::SEGMENT_FROM)?;
+            let to_m = reader.point_m(&segment.to_mm, FileNumber::SEGMENT_TO)?;
+            let rounding_mm = reader.scalar_or_zero(segment.rounding_mm.as_ref(), FileNumber::SEGMENT_ROUNDING)?;
             if libm::hypot(to_m[0] - from_m[0], to_m[1] - from_m[1]) < 1e-9 {
                 let expected = "another point than `from_mm` (for a disc use `other_disc`)";
                 return Err(Fault::at(segment.to_mm.value_span(), "a segment must have a length", expected));
@@ -392,7 +405,8 @@ fn read_curve(
             Ok((body, Curve::Segment { from_m, to_m, rounding_m: rounding_mm / MM_PER_M }, segment.body.span()))
         }
         (None, None, Some(disc)) => {
-            let (body, center_m, radius_m) = read_disc(disc, reader, instrument)?;
+            let (body, center_m, radius_m) =
+                read_disc(disc, [FileNumber::OTHER_CENTER, FileNumber::OTHER_RADIUS], reader, instrument)?;
             if radius_m == 0.0 && table.disc.radius_mm.as_ref().is_none_or(|radius| radius.kind().0 == 0.0) {
                 return Err(Fault::at(disc.span(), "two points cannot touch", "a radius on one side at least"));
             }
@@ -422,14 +436,14 @@ fn read_roles(table: &At<RolesToml>, reader: &mut Reader<'_>, instrument: &Instr
         (Some(_), None) => {
             return Err(Fault::missing(table.span(), "key_front_mm", "where the finger presses the key"));
         }
-        (_, Some(point)) => reader.point_m(point)?,
+        (_, Some(point)) => reader.point_m(point, FileNumber::KEY_FRONT)?,
         (None, None) => [0.0; 2],
     };
     let hammer_head_m = match (&table.hammer, &table.hammer_head_mm) {
         (Some(_), None) => {
             return Err(Fault::missing(table.span(), "hammer_head_mm", "the hammer's strike point"));
         }
-        (_, Some(point)) => reader.point_m(point)?,
+        (_, Some(point)) => reader.point_m(point, FileNumber::HAMMER_HEAD)?,
         (None, None) => [0.0; 2],
     };
     Ok(Roles {
@@ -501,7 +515,7 @@ fn read_screw(table: &At<ScrewToml>, reader: &mut Reader<'_>, instrument: &mut I
             }
             let spring = index_of(spring, "spring", instrument.springs.iter().map(|spring| spring.name.as_str()))?;
             let setting = needed(table, table.setting_n_m.as_ref(), "setting_N_m", "a torque, 0 as drawn")?;
-            let turned = reader.scalar(setting, Limits::symmetric(1e6, "N m"))?;
+            let turned = reader.scalar(setting, FileNumber::SCREW_TORQUE)?;
             (ScrewAction::Spring { spring }, turned, setting.value_span())
         }
         (Some(_), Some(spring)) => return Err(misplaced(spring.span(), "`zone`")),
@@ -525,14 +539,14 @@ fn read_moved(
 ) -> Result<(ScrewAction, f64, Range<usize>), Fault> {
     let side = needed(table, table.side.as_ref(), "side", "\"disc\" or \"curve\"")?;
     let direction = needed(table, table.direction.as_ref(), "direction", "the direction of a positive setting")?;
-    let direction = reader.direction(direction)?;
+    let direction = reader.direction(direction, FileNumber::SCREW_DIRECTION)?;
     let expected = "a length, 0 as drawn (or `setting_deg`, an angle)";
     let setting = needed(table, table.setting_mm.as_ref(), "setting_mm", expected)?;
     let action = match **side {
         ScrewSide::Disc => ScrewAction::Disc { zone, direction },
         ScrewSide::Curve => ScrewAction::Curve { zone, direction },
     };
-    Ok((action, reader.scalar(setting, LENGTH_MM)? / MM_PER_M, setting.value_span()))
+    Ok((action, reader.scalar(setting, FileNumber::SCREW_LENGTH)? / MM_PER_M, setting.value_span()))
 }
 
 /// Reads a screw that turns a zone's curve: its action, its setting, rad, and the setting's place in the text.
@@ -552,7 +566,7 @@ fn read_turned(
         let message = "a disc looks the same whichever way it is turned";
         return Err(Fault::at(side.span(), message, "\"curve\", of a zone with a line or a segment"));
     }
-    let turned = reader.scalar(setting, Limits::symmetric(90.0, "degrees"))?.to_radians();
+    let turned = reader.scalar(setting, FileNumber::SCREW_ANGLE)?.to_radians();
     Ok((ScrewAction::Turn { zone }, turned, setting.value_span()))
 }
 

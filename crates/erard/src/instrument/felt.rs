@@ -13,12 +13,13 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor};
 
 use super::Felt;
 use super::error::Fault;
+use super::file_number::FileNumber;
 use super::quantity::{Exponent, NonNegative, Num, Part, Positive};
-use super::reader::{Limits, MM_PER_M, Reader};
+use super::reader::{MM_PER_M, Reader};
 
-const STIFFNESS: &str = "stiffness_N_per_m_r";
-const EXPONENT: &str = "exponent";
-const THICKNESS: &str = "thickness_mm";
+const STIFFNESS: &str = FileNumber::FELT_STIFFNESS.key;
+const EXPONENT: &str = FileNumber::FELT_EXPONENT.key;
+const THICKNESS: &str = FileNumber::FELT_THICKNESS.key;
 
 /// Parameters of all laws. A key that several laws share is listed once.
 static NUMBERS: LazyLock<Vec<&'static LawNumber>> = LazyLock::new(|| {
@@ -81,20 +82,11 @@ impl LossNum {
 
     /// Checks the range and converts the number to the engine's unit.
     fn value(&self, number: &LawNumber, reader: &mut Reader<'_>) -> Result<f64, Fault> {
-        let unit = if number.unit == "1" { "" } else { number.unit };
-        let limits = match number.range {
-            Range::Part => Limits::between(0.0, 0.99, unit),
-            Range::InnerPart => Limits::between(1e-3, 0.99, unit),
-            Range::Between(least, most) => {
-                Limits::between(least * number.units_per_si, most * number.units_per_si, unit)
-            }
-            Range::UpTo(most) => Limits::up_to(most * number.units_per_si, unit),
-            _ => Limits::up_to(f64::MAX, unit),
-        };
+        let of = FileNumber::of_law(number);
         let value = match self {
-            LossNum::NonNegative(number) => reader.scalar(number, limits)?,
-            LossNum::Positive(number) => reader.scalar(number, limits)?,
-            LossNum::Part(number) => reader.scalar(number, limits)?,
+            LossNum::NonNegative(number) => reader.scalar(number, of)?,
+            LossNum::Positive(number) => reader.scalar(number, of)?,
+            LossNum::Part(number) => reader.scalar(number, of)?,
         };
         Ok(value / number.units_per_si)
     }
@@ -177,12 +169,12 @@ pub(crate) fn read_felt(table: &FeltToml, reader: &mut Reader<'_>) -> Result<Fel
         numbers[place.unwrap_or(0)] = given.value(number, reader)?;
     }
     Ok(Felt {
-        stiffness: reader.scalar(&table.stiffness, Limits::up_to(1e18, "N/m^r"))?,
-        exponent: reader.scalar(&table.exponent, Limits::between(1.0, 6.0, ""))?,
+        stiffness: reader.scalar(&table.stiffness, FileNumber::FELT_STIFFNESS)?,
+        exponent: reader.scalar(&table.exponent, FileNumber::FELT_EXPONENT)?,
         loss: Loss::with(law, numbers).unwrap_or_default(),
         thickness_m: match &table.thickness_mm {
             None => None,
-            Some(thickness) => Some(reader.scalar(thickness, Limits::between(1e-3, 1e3, "mm"))? / MM_PER_M),
+            Some(thickness) => Some(reader.scalar(thickness, FileNumber::FELT_THICKNESS)? / MM_PER_M),
         },
     })
 }

@@ -19,6 +19,7 @@ pub mod error;
 mod felt;
 #[doc(hidden)]
 pub mod file;
+mod file_number;
 mod format;
 #[doc(hidden)]
 pub mod from_toml;
@@ -43,6 +44,7 @@ mod tuning;
 
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES, UnknownInstrument, file_bytes, utf8};
+pub use file_number::FileNumber;
 pub use numbers::{numbers_at, numbers_at_each, with_numbers};
 pub use outlived::OutlivedNote;
 pub use placement::Placement;

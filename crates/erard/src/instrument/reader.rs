@@ -64,31 +64,35 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads a scalar within `limits`, in the file's unit.
-    pub fn scalar<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<f64, Fault> {
-        self.checked(number, limits)?;
+    pub fn scalar<T: Kind>(&mut self, number: &Num<T>, limits: impl Into<Limits>) -> Result<f64, Fault> {
+        self.checked(number, limits.into())?;
         Ok(number.kind().numbers()[0])
     }
 
     /// Reads a scalar that may be absent; it is 0 then.
-    pub(crate) fn scalar_or_zero<T: Kind>(&mut self, number: Option<&Num<T>>, limits: Limits) -> Result<f64, Fault> {
+    pub(crate) fn scalar_or_zero<T: Kind>(
+        &mut self,
+        number: Option<&Num<T>>,
+        limits: impl Into<Limits>,
+    ) -> Result<f64, Fault> {
         number.map_or(Ok(0.0), |number| self.scalar(number, limits))
     }
 
     /// Reads a pair within `limits`, in the file's unit.
-    pub(crate) fn pair<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<Vec2, Fault> {
-        self.checked(number, limits)?;
+    pub(crate) fn pair<T: Kind>(&mut self, number: &Num<T>, limits: impl Into<Limits>) -> Result<Vec2, Fault> {
+        self.checked(number, limits.into())?;
         let numbers = number.kind().numbers();
         Ok([numbers[0], numbers[1]])
     }
 
     /// Reads a point in millimetres and returns it in metres.
-    pub fn point_m<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
-        Ok(self.pair(number, LENGTH_MM)?.map(|mm| mm / MM_PER_M))
+    pub fn point_m<T: Kind>(&mut self, number: &Num<T>, limits: impl Into<Limits>) -> Result<Vec2, Fault> {
+        Ok(self.pair(number, limits)?.map(|mm| mm / MM_PER_M))
     }
 
     /// Reads a direction of any length but zero and returns a unit vector.
-    pub(crate) fn direction<T: Kind>(&mut self, number: &Num<T>) -> Result<Vec2, Fault> {
-        let [x, y] = self.pair(number, Limits::symmetric(1e6, ""))?;
+    pub(crate) fn direction<T: Kind>(&mut self, number: &Num<T>, limits: impl Into<Limits>) -> Result<Vec2, Fault> {
+        let [x, y] = self.pair(number, limits)?;
         let length = libm::hypot(x, y);
         if length < 1e-6 {
             return Err(Fault::at(number.value_span(), "a direction must have a length", "two numbers, not both 0"));
@@ -183,6 +187,8 @@ impl<'a> Reader<'a> {
 
 /// Limits of lengths and coordinates: ten metres, far beyond any action.
 pub const LENGTH_MM: Limits = Limits::symmetric(1e4, "mm");
+/// Limits of a direction's coordinates; its length does not count.
+pub(crate) const DIRECTION: Limits = Limits::symmetric(1e6, "");
 
 /// Checks a new name for a body, spring, zone, string or screw: it must be fit for a column title and not taken.
 pub(crate) fn new_name<'n>(

@@ -42,7 +42,7 @@ impl Instrument {
         for screw in &self.screws {
             let (key, setting) = screw.action.in_file(screw.setting);
             let missing = || RewriteError::NoSetting(screw.name.clone());
-            let path = ["screw", screw.name.as_str(), key.as_str()];
+            let path = ["screw", screw.name.as_str(), key];
             let item = find(document.as_table_mut(), &path).ok_or_else(missing)?;
             if numbers(item).as_deref() != Some(&[setting]) {
                 set(item, setting, &source, note);

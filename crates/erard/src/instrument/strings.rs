@@ -3,9 +3,10 @@
 use std::ops::Range;
 
 use super::error::Fault;
+use super::file_number::FileNumber;
 use super::format::{BridgeModeToml, DamperToml, StringToml};
 use super::quantity::At;
-use super::reader::{G_PER_KG, Limits, MM_PER_M, Reader, index_of, new_name};
+use super::reader::{G_PER_KG, MM_PER_M, Reader, index_of, new_name};
 use super::tuning::{STEEL_DENSITY_KG_M3, bending_stiffness, tension_for};
 use super::{BridgeMode, DamperFelt, Instrument, MAX_BRIDGE_MODES, MAX_STRINGS, PianoString, Zone};
 
@@ -57,19 +58,19 @@ pub(super) fn read_strings(
 
 fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoString]) -> Result<PianoString, Fault> {
     let name = new_name(&table.name, "string", others.iter().map(|string| string.name.as_str()))?;
-    let length_m = reader.scalar(&table.length_mm, Limits::between(10.0, 1e4, "mm"))? / MM_PER_M;
+    let length_m = reader.scalar(&table.length_mm, FileNumber::STRING_LENGTH)? / MM_PER_M;
     let diameter = table.diameter_mm.as_ref();
     let diameter_m =
-        diameter.map(|mm| reader.scalar(mm, Limits::between(0.1, 20.0, "mm"))).transpose()?.map(|mm| mm / MM_PER_M);
+        diameter.map(|mm| reader.scalar(mm, FileNumber::STRING_DIAMETER)).transpose()?.map(|mm| mm / MM_PER_M);
     let mass_kg_m = match (&table.mass_g_per_m, diameter_m) {
-        (Some(mass), _) => reader.scalar(mass, Limits::between(1e-2, 1e4, "g/m"))? / G_PER_KG,
+        (Some(mass), _) => reader.scalar(mass, FileNumber::STRING_MASS)? / G_PER_KG,
         (None, Some(d)) => STEEL_DENSITY_KG_M3 * std::f64::consts::FRAC_PI_4 * d * d,
         (None, None) => {
             return Err(Fault::missing(table.span(), "diameter_mm", "the wire's diameter, or `mass_g_per_m`"));
         }
     };
     let inharmonicity = match &table.inharmonicity {
-        Some(b) => Some(reader.scalar(b, Limits::up_to(1.0, ""))?),
+        Some(b) => Some(reader.scalar(b, FileNumber::STRING_INHARMONICITY)?),
         None => None,
     };
     let bending = match (inharmonicity, diameter_m) {
@@ -82,11 +83,11 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
     // B = pi^2 EI / (T L^2), and f^2 = f0^2 (1 + B).
     let (base_n, span) = match (&table.frequency_hz, &table.tension_n) {
         (Some(hz), None) => {
-            let f = reader.scalar(hz, Limits::between(10.0, 2e4, "Hz"))?;
+            let f = reader.scalar(hz, FileNumber::STRING_FREQUENCY)?;
             let stiff_n = tension_for(f, length_m, mass_kg_m, bending);
             (inharmonicity.map_or(stiff_n, |b| stiff_n / (1.0 + b)), hz.value_span())
         }
-        (None, Some(tension)) => (reader.scalar(tension, Limits::between(1.0, 1e5, "N"))?, tension.value_span()),
+        (None, Some(tension)) => (reader.scalar(tension, FileNumber::STRING_TENSION)?, tension.value_span()),
         (None, None) => {
             return Err(Fault::missing(table.span(), "frequency_Hz", "the first partial's frequency, or `tension_N`"));
         }
@@ -95,7 +96,7 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
             return Err(Fault::at(tension.span(), "a string is tuned once", expected).found("both"));
         }
     };
-    let cents = reader.scalar_or_zero(table.detuned_cents.as_ref(), Limits::symmetric(OCTAVE_CENTS, "cents"))?;
+    let cents = reader.scalar_or_zero(table.detuned_cents.as_ref(), FileNumber::STRING_DETUNING)?;
     if base_n.is_nan() || base_n < 1.0 {
         let expected = "a longer, thinner or higher string: a tension of at least 1 N";
         return Err(Fault::at(span, "the tension of this string is below 1 N", expected)
@@ -106,7 +107,7 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
     let tension_n = base_n * libm::exp2(2.0 * cents / OCTAVE_CENTS);
     let square = std::f64::consts::PI * std::f64::consts::PI;
     let bending_n_m2 = inharmonicity.map_or(bending, |b| b * tension_n * length_m * length_m / square);
-    let strike_m = reader.scalar(&table.strike_mm, Limits::between(0.1, 1e4, "mm"))? / MM_PER_M;
+    let strike_m = reader.scalar(&table.strike_mm, FileNumber::STRING_STRIKE)? / MM_PER_M;
     if strike_m >= length_m {
         let expected = format!("a place on the string, less than {} mm", length_m * MM_PER_M);
         return Err(Fault::at(table.strike_mm.value_span(), "the striking point is beyond the string", expected));
@@ -117,8 +118,8 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
         mass_kg_m,
         tension_n,
         bending_n_m2,
-        loss_per_s: reader.scalar(&table.loss_per_s, Limits::up_to(1e4, "1/s"))?,
-        loss_s: reader.scalar_or_zero(table.loss_s.as_ref(), Limits::up_to(1.0, "s"))?,
+        loss_per_s: reader.scalar(&table.loss_per_s, FileNumber::STRING_LOSS)?,
+        loss_s: reader.scalar_or_zero(table.loss_s.as_ref(), FileNumber::STRING_HIGH_LOSS)?,
         strike_m,
         damper: None,
     })
@@ -138,8 +139,8 @@ fn read_damper(
         return Err(Fault::at(span, "this zone already touches something else", "a zone for each damped string"));
     }
     check_zone(&instrument.zones[zone], span)?;
-    let middle_m = reader.scalar(&table.middle_mm, Limits::between(0.1, 1e4, "mm"))? / MM_PER_M;
-    let length_m = reader.scalar(&table.length_mm, Limits::between(0.1, 1e4, "mm"))? / MM_PER_M;
+    let middle_m = reader.scalar(&table.middle_mm, FileNumber::DAMPER_MIDDLE)? / MM_PER_M;
+    let length_m = reader.scalar(&table.length_mm, FileNumber::DAMPER_LENGTH)? / MM_PER_M;
     if middle_m - 0.5 * length_m < 0.0 || middle_m + 0.5 * length_m > string.length_m {
         let expected = format!("a felt between 0 and {} mm", string.length_m * MM_PER_M);
         return Err(Fault::at(table.middle_mm.value_span(), "the damper extends beyond the string", expected));
@@ -167,9 +168,9 @@ pub(super) fn read_bridge(
         let name = new_name(&table.name, "bridge mode", others)?;
         instrument.bridge_modes.push(BridgeMode {
             name,
-            mass_kg: reader.scalar(&table.mass_g, Limits::between(1.0, 1e6, "g"))? / G_PER_KG,
-            frequency_hz: reader.scalar(&table.frequency_hz, Limits::between(1.0, 2e4, "Hz"))?,
-            loss_factor: reader.scalar(&table.loss_factor, Limits::up_to(0.99, ""))?,
+            mass_kg: reader.scalar(&table.mass_g, FileNumber::BRIDGE_MASS)? / G_PER_KG,
+            frequency_hz: reader.scalar(&table.frequency_hz, FileNumber::BRIDGE_FREQUENCY)?,
+            loss_factor: reader.scalar(&table.loss_factor, FileNumber::BRIDGE_LOSS)?,
         });
     }
     Ok(())

@@ -6,7 +6,7 @@ use toml::de::DeTable;
 use toml_edit::{DocumentMut, Item};
 
 use super::format::{AbsentToml, AddedMassToml, FORMAT, FactorToml, KeyboardToml, PointToml, ShiftToml};
-use super::grading::{Absence, Graded, Grading, MASS_KEYS};
+use super::grading::{Absence, Graded, Grading, MASS_NUMBERS};
 use super::grading_curve::{Between, GradingCurve, GradingPoint};
 use super::{KEYS, Keyboard};
 use crate::instrument::convert::key_number;
@@ -16,7 +16,7 @@ use crate::instrument::file::{check_size, read_bytes, utf8, whole_file};
 use crate::instrument::from_toml::from_toml;
 use crate::instrument::locate::dress;
 use crate::instrument::quantity::{At, Kind};
-use crate::instrument::reader::{LENGTH_MM, Reader, title};
+use crate::instrument::reader::{DIRECTION, LENGTH_MM, Reader, title};
 use crate::instrument::schema::schema_of;
 use crate::instrument::serde_fault::serde_fault;
 use crate::instrument::{FileError, Instrument, InstrumentFile};
@@ -253,8 +253,9 @@ fn added_mass(
     base: &mut DocumentMut,
     base_key: usize,
 ) -> Result<Grading, Fault> {
-    for key in MASS_KEYS {
-        if find(base.as_table_mut(), &["body", file.body.as_str(), key]).is_none() {
+    for number in MASS_NUMBERS {
+        let path = number.path(&file.body);
+        if find(base.as_table_mut(), &path.split('.').collect::<Vec<_>>()).is_none() {
             return Err(Fault::at(file.body.span(), "no such body", "the name of a body of the instrument"));
         }
     }
@@ -275,7 +276,7 @@ fn factor(file: &FactorToml, reader: &Reader, base: &mut DocumentMut, base_key: 
 
 fn shift(file: &ShiftToml, reader: &mut Reader, base: &mut DocumentMut, base_key: usize) -> Result<Grading, Fault> {
     let points = file.points.iter().map(|path| path_of(path, base, 2)).collect::<Result<_, _>>()?;
-    let direction = reader.direction(&file.direction)?;
+    let direction = reader.direction(&file.direction, DIRECTION)?;
     let curve = curve(&file.by_mm, reader, base_key, 0.0, Between::Linear)?;
     Ok(Grading { name: title(&file.name, "a grading")?, graded: Graded::Shift { points, direction }, curve })
 }

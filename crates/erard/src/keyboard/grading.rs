@@ -11,11 +11,11 @@ use toml_edit::{Array, DocumentMut, Item, value};
 
 use super::grading_curve::GradingCurve;
 use super::{Keyboard, is_sharp, note_name};
-use crate::instrument::Instrument;
 use crate::instrument::convert::convert;
 use crate::instrument::edit::{cite, find, numbers, set, source_name};
 use crate::instrument::from_toml::{Document, Replaced};
 use crate::instrument::reader::LONGEST_TITLE;
+use crate::instrument::{FileNumber, Instrument};
 
 /// Who the source of graded numbers is, in the instrument's own list of sources.
 const AUTHOR: &str = "erard keyboard";
@@ -24,7 +24,8 @@ const SOURCE: &str = "graded";
 /// Digits to which graded numbers are written: a part in a million.
 const DIGITS: usize = 6;
 /// The numbers of a body that an added mass changes.
-pub(super) const MASS_KEYS: [&str; 3] = ["mass_g", "inertia_kg_m2", "center_of_mass_mm"];
+pub(super) const MASS_NUMBERS: [FileNumber; 3] =
+    [FileNumber::BODY_MASS, FileNumber::BODY_INERTIA, FileNumber::BODY_CENTER];
 
 /// A quantity that differs from key to key.
 #[derive(Debug, Clone, PartialEq)]
@@ -211,7 +212,7 @@ impl Changed {
 
     /// Mass, centre of mass and inertia about the pivot (the frame's origin) of a body with a point mass more.
     fn add_mass(&mut self, old: Old<'_>, body: &str, added_g: f64, at_mm: [f64; 2], name: &str) -> Option<()> {
-        let [mass, inertia, center] = MASS_KEYS.map(|key| format!("body.{body}.{key}"));
+        let [mass, inertia, center] = MASS_NUMBERS.map(|number| number.path(body));
         let old_g = self.value(old, &mass)?[0];
         let new_g = old_g + added_g;
         self.number(old, &mass, name, |_| vec![new_g])?;

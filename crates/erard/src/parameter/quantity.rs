@@ -184,8 +184,7 @@ const TORQUES: &[Unit] = &[
 ];
 const ANGULAR_STIFFNESSES: &[Unit] =
     &[unit(1.0, "N m/rad", "N_m_per_rad", &[]), unit(1e-3, "N mm/rad", "", &[]), unit(180.0 / PI, "N m/deg", "", &[])];
-const ANGULAR_DAMPINGS: &[Unit] =
-    &[unit(1.0, "N m s/rad", "N_m_s_per_rad", &["nms"]), unit(1e-3, "N mm s/rad", "", &["nmms"])];
+const ANGULAR_DAMPINGS: &[Unit] = &[unit(1.0, "N m s/rad", "N_m_s", &["nms"]), unit(1e-3, "N mm s/rad", "", &["nmms"])];
 const STIFFNESSES: &[Unit] =
     &[unit(1.0, "N/m", "N_per_m", &[]), unit(1e3, "N/mm", "N_per_mm", &["kn/m"]), unit(1e6, "N/um", "", &[])];
 const DAMPINGS: &[Unit] = &[unit(1.0, "N s/m", "N_s_per_m", &["ns/m"]), unit(1e-3, "mN s/m", "", &[])];

@@ -1,7 +1,6 @@
 //! Register of an instrument's numbers that can be changed by name.
 
-use crate::instrument::{Instrument, ScrewAction, numbers_at};
-use moreau::LawNumber;
+use crate::instrument::{FileNumber, Instrument, ScrewAction, numbers_at};
 use thiserror::Error;
 
 use super::{Bare, Change, Quantity, Unit, canonical_name};
@@ -14,31 +13,35 @@ const FARTHEST_SCREW: f64 = 0.1;
 impl ScrewAction {
     /// Physical quantity of the screw's setting.
     #[must_use]
-    pub const fn quantity(&self) -> Quantity {
+    pub fn quantity(&self) -> Quantity {
+        self.file_number().quantity().0
+    }
+
+    /// Number of files that holds the setting.
+    #[must_use]
+    pub const fn file_number(&self) -> FileNumber {
         match self {
-            ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => Quantity::Length,
-            ScrewAction::Turn { .. } => Quantity::Angle,
-            ScrewAction::Spring { .. } => Quantity::Torque,
+            ScrewAction::Disc { .. } | ScrewAction::Curve { .. } => FileNumber::SCREW_LENGTH,
+            ScrewAction::Turn { .. } => FileNumber::SCREW_ANGLE,
+            ScrewAction::Spring { .. } => FileNumber::SCREW_TORQUE,
         }
     }
 
     /// Unit of the setting in files: mm, deg or N m.
     #[must_use]
     pub fn file_unit(&self) -> &'static Unit {
-        let quantity = self.quantity();
-        let own = if quantity == Quantity::Torque { quantity.units().first() } else { quantity.trade_unit() };
-        own.unwrap_or_else(|| unreachable!("every screw has a unit"))
+        self.file_number().quantity().1.unwrap_or_else(|| unreachable!("every screw has a unit"))
     }
 
     /// Key of a setting in files, and the setting in the file's unit, rounded to 0.1 um, 0.0001 degrees or 1 uN m.
-    pub(crate) fn in_file(&self, setting: f64) -> (String, f64) {
+    pub(crate) fn in_file(&self, setting: f64) -> (&'static str, f64) {
         let to_digits = |x: f64, per_unit: f64| (x * per_unit).round() / per_unit;
         let setting = match self.quantity() {
             Quantity::Length => to_digits(setting * 1e3, 1e4),
             Quantity::Angle => to_digits(setting.to_degrees(), 1e4),
             _ => to_digits(setting, 1e6),
         };
-        (format!("setting_{}", self.file_unit().suffix), setting)
+        (self.file_number().key, setting)
     }
 
     /// Displayed unit of the setting, and how many of it one SI unit is: mm, degrees or N mm.
@@ -48,6 +51,14 @@ impl ScrewAction {
             Quantity::Angle => (180.0 / std::f64::consts::PI, "degrees"),
             quantity => quantity.shown(),
         }
+    }
+}
+
+impl FileNumber {
+    /// Physical quantity, and the unit in files; no unit of a plain number.
+    #[must_use]
+    pub fn quantity(&self) -> (Quantity, Option<&'static Unit>) {
+        Quantity::of_name(self.key).map_or((Quantity::Number, None), |(quantity, unit)| (quantity, Some(unit)))
     }
 }
 
@@ -107,35 +118,74 @@ impl Parameter {
     /// `zone.string.stiffness`, `zone.check.damping`, `zone.check.friction`.
     #[must_use]
     pub fn all(instrument: &Instrument) -> Vec<(String, Parameter)> {
-        let mut all = Vec::new();
-        for (screw, one) in instrument.screws.iter().enumerate() {
-            all.push((one.name.clone(), Parameter::Screw { screw, action: one.action.clone() }));
-        }
+        let screws = instrument.screws.iter().enumerate();
+        let mut all: Vec<Parameter> =
+            screws.map(|(screw, one)| Parameter::Screw { screw, action: one.action.clone() }).collect();
         for (i, body) in instrument.bodies.iter().enumerate() {
-            all.push((format!("body.{}.mass", body.name), Parameter::Mass(i)));
+            all.push(Parameter::Mass(i));
             // A bend's dry torque only lets it come to rest; no result depends on it.
             if body.friction_torque_n_m > 0.0 && !body.is_bend {
-                all.push((format!("body.{}.friction", body.name), Parameter::PivotFriction(i)));
+                all.push(Parameter::PivotFriction(i));
             }
         }
         for (i, spring) in instrument.springs.iter().enumerate() {
             if spring.torque_n_m != 0.0 {
-                all.push((format!("spring.{}.torque", spring.name), Parameter::Torque(i)));
+                all.push(Parameter::Torque(i));
             }
             if spring.stiffness_n_m_per_rad > 0.0 {
-                all.push((format!("spring.{}.stiffness", spring.name), Parameter::SpringStiffness(i)));
+                all.push(Parameter::SpringStiffness(i));
             }
         }
         for (i, zone) in instrument.zones.iter().enumerate() {
-            all.push((format!("zone.{}.stiffness", zone.name), Parameter::Stiffness(i)));
+            all.push(Parameter::Stiffness(i));
             if zone.felt.loss.is_lossy() {
-                all.push((format!("zone.{}.damping", zone.name), Parameter::Damping(i)));
+                all.push(Parameter::Damping(i));
             }
             if zone.friction_coefficient > 0.0 {
-                all.push((format!("zone.{}.friction", zone.name), Parameter::Friction(i)));
+                all.push(Parameter::Friction(i));
             }
         }
-        all
+        all.into_iter().map(|parameter| (parameter.name(instrument), parameter)).collect()
+    }
+
+    /// Name of the part whose number it is.
+    fn part<'i>(&self, instrument: &'i Instrument) -> &'i str {
+        match *self {
+            Parameter::Screw { screw, .. } => &instrument.screws[screw].name,
+            Parameter::Mass(i) | Parameter::PivotFriction(i) => &instrument.bodies[i].name,
+            Parameter::Torque(i) | Parameter::SpringStiffness(i) => &instrument.springs[i].name,
+            Parameter::Stiffness(i) | Parameter::Damping(i) | Parameter::Friction(i) => &instrument.zones[i].name,
+        }
+    }
+
+    /// Name of the parameter, as in [`Parameter::all`].
+    #[must_use]
+    pub fn name(&self, instrument: &Instrument) -> String {
+        let (list, what) = match self {
+            Parameter::Screw { .. } => return self.part(instrument).to_owned(),
+            Parameter::Mass(_) => ("body", "mass"),
+            Parameter::PivotFriction(_) => ("body", "friction"),
+            Parameter::Torque(_) => ("spring", "torque"),
+            Parameter::SpringStiffness(_) => ("spring", "stiffness"),
+            Parameter::Stiffness(_) => ("zone", "stiffness"),
+            Parameter::Damping(_) => ("zone", "damping"),
+            Parameter::Friction(_) => ("zone", "friction"),
+        };
+        format!("{list}.{}.{what}", self.part(instrument))
+    }
+
+    /// Number of files that holds the value; of a felt's damping the first number of its loss, `None` without a loss.
+    fn file_number(&self, instrument: &Instrument) -> Option<FileNumber> {
+        Some(match *self {
+            Parameter::Screw { ref action, .. } => action.file_number(),
+            Parameter::Mass(_) => FileNumber::BODY_MASS,
+            Parameter::PivotFriction(_) => FileNumber::BODY_FRICTION,
+            Parameter::Torque(_) => FileNumber::SPRING_TORQUE,
+            Parameter::SpringStiffness(_) => FileNumber::SPRING_STIFFNESS,
+            Parameter::Stiffness(_) => FileNumber::FELT_STIFFNESS,
+            Parameter::Damping(i) => FileNumber::of_law(instrument.zones[i].felt.first_loss()?.0),
+            Parameter::Friction(_) => FileNumber::ZONE_FRICTION,
+        })
     }
 
     /// Finds a parameter by its name; regional words are read as this program's.
@@ -160,17 +210,7 @@ impl Parameter {
     /// Physical quantity of the parameter's value.
     #[must_use]
     pub fn quantity(&self, instrument: &Instrument) -> Quantity {
-        match *self {
-            Parameter::Screw { ref action, .. } => action.quantity(),
-            Parameter::Mass(_) => Quantity::Mass,
-            Parameter::PivotFriction(_) | Parameter::Torque(_) => Quantity::Torque,
-            Parameter::SpringStiffness(_) => Quantity::AngularStiffness,
-            Parameter::Stiffness(_) => Quantity::FeltStiffness,
-            Parameter::Damping(_) => {
-                Quantity::of_name(&self.path(instrument)).map_or(Quantity::Number, |(quantity, _)| quantity)
-            }
-            Parameter::Friction(_) => Quantity::Number,
-        }
+        self.file_number(instrument).map_or(Quantity::Number, |number| number.quantity().0)
     }
 
     /// Unit in which technicians read the value; the command takes a number without a unit in it.
@@ -227,24 +267,24 @@ impl Parameter {
         }
     }
 
-    /// Path of the parameter's number in the instrument's file.
+    /// Path of the parameter's number in the instrument's file; empty of the damping of a felt without a loss.
     #[must_use]
     pub fn path(&self, instrument: &Instrument) -> String {
-        let (body, zone) = (|i: usize| &instrument.bodies[i].name, |i: usize| &instrument.zones[i].name);
+        self.file_number(instrument).map_or_else(String::new, |number| number.path(self.part(instrument)))
+    }
+
+    /// Paths of all numbers of the instrument's file that [`Parameter::vary`] changes: with a body's mass its inertia,
+    /// with a felt's damping each number of its loss.
+    #[must_use]
+    pub fn paths(&self, instrument: &Instrument) -> Vec<String> {
+        let part = self.part(instrument);
         match *self {
-            Parameter::Screw { screw, ref action } => {
-                format!("screw.{}.setting_{}", instrument.screws[screw].name, action.file_unit().suffix)
-            }
-            Parameter::Mass(i) => format!("body.{}.mass_g", body(i)),
-            Parameter::PivotFriction(i) => format!("body.{}.friction_torque_N_m", body(i)),
-            Parameter::Torque(i) => format!("spring.{}.torque_N_m", instrument.springs[i].name),
-            Parameter::SpringStiffness(i) => format!("spring.{}.stiffness_N_m_per_rad", instrument.springs[i].name),
-            Parameter::Stiffness(i) => format!("zone.{}.felt.stiffness_N_per_m_r", zone(i)),
+            Parameter::Mass(_) => [FileNumber::BODY_MASS, FileNumber::BODY_INERTIA].map(|own| own.path(part)).into(),
             Parameter::Damping(i) => {
-                let key = instrument.zones[i].felt.first_loss().map_or("", |(number, _)| number.key);
-                format!("zone.{}.felt.{key}", zone(i))
+                let losses = instrument.zones[i].felt.loss.table().iter().filter(|number| number.is_loss);
+                losses.map(|number| FileNumber::of_law(number).path(part)).collect()
             }
-            Parameter::Friction(i) => format!("zone.{}.friction_coefficient", zone(i)),
+            _ => vec![self.path(instrument)],
         }
     }
 
@@ -265,21 +305,16 @@ impl Parameter {
                 let more = self.value(instrument) * (value - 1.0);
                 vec![(path.clone(), ten_digits(own(&path).unwrap_or(0.0) + more))]
             }
-            Parameter::Mass(i) => {
-                let inertia = format!("body.{}.inertia_kg_m2", instrument.bodies[i].name);
-                [path, inertia].into_iter().filter_map(scaled).collect()
-            }
             Parameter::Damping(i) => {
-                let zone = &instrument.zones[i].name;
                 let mut varied = instrument.zones[i].felt;
                 varied.scale_loss(value);
                 let numbers =
                     varied.loss.table().iter().zip(varied.loss.numbers()).filter(|(number, _)| number.is_loss);
-                let path = |number: &LawNumber| format!("zone.{zone}.felt.{}", number.key);
-                let all = numbers.map(|(number, value)| (path(number), value * number.units_per_si));
+                let new = numbers.map(|(number, value)| value * number.units_per_si);
+                let all = self.paths(instrument).into_iter().zip(new);
                 all.filter(|(path, _)| own(path).is_some()).map(|(path, value)| (path, ten_digits(value))).collect()
             }
-            _ => scaled(path).into_iter().collect(),
+            _ => self.paths(instrument).into_iter().filter_map(scaled).collect(),
         }
     }
 
