@@ -6,7 +6,7 @@ import { gzipSync } from "node:zlib";
 const bytes = await readFile(process.argv[2]);
 const { instance } = await WebAssembly.instantiate(bytes, {});
 const erard = instance.exports;
-const address = erard.erard_scene(erard.erard_instrument_new(0, 0, 0), 0, 0);
+const address = erard.erard_instrument_drawing_json(erard.erard_instrument_new(0, 0, 0), 0, 0);
 const all = new Uint8Array(erard.memory.buffer);
 const scene = JSON.parse(new TextDecoder().decode(all.subarray(address, all.indexOf(0, address))));
 const [left, top, right, bottom] = scene.views.whole;

@@ -32,15 +32,15 @@ export const bits = async ({ visit }) => {
           const { library } = globalThis.player;
           const { raw } = library;
           const instrument = raw.erard_instrument_new(0, 0, 0);
-          const action = raw.erard_action_of(instrument, 50e-6, 0);
+          const action = raw.erard_action_of_instrument(instrument, 50e-6, 0);
           const stroke = library.given(nuance, (at) => raw.erard_stroke_builtin(instrument, at, struck, 0));
-          const bodies = raw.erard_body_count(action), place = raw.erard_memory_new(88 + 8 * bodies);
-          raw.erard_keep_contacts(action);
-          raw.erard_read(action, place);
+          const bodies = raw.erard_action_body_count(action), place = raw.erard_memory_new(88 + 8 * bodies);
+          raw.erard_action_record_contacts(action);
+          raw.erard_action_read(action, place);
           const all = new Float64Array(rows * (2 + bodies));
           for (let row = 0; row < rows; row++) {
-            if (row > 0 && raw.erard_step_stroke(action, stroke, place) < 0) throw new Error("a step failed");
-            raw.erard_angles(action, place + 88, bodies);
+            if (row > 0 && raw.erard_action_step_stroke(action, stroke, place) < 0) throw new Error("a step failed");
+            raw.erard_action_angles(action, place + 88, bodies);
             const reading = library.f64(place, 11 + bodies);
             all[row * (2 + bodies)] = reading[1];
             all[row * (2 + bodies) + 1] = reading[5];

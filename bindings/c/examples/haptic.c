@@ -15,7 +15,7 @@ int main(void) {
         fprintf(stderr, "%s\n", erard_last_error());
         return 1;
     }
-    ErardAction *action = erard_action_of(instrument, step_s, &status);
+    ErardAction *action = erard_action_of_instrument(instrument, step_s, &status);
     erard_instrument_free(instrument);
     if (!action) {
         fprintf(stderr, "%s\n", erard_last_error());
@@ -27,8 +27,8 @@ int main(void) {
         /* The encoder, and the velocity computed from it. */
         double seen = quantum_m * floor(x / quantum_m + 0.5), seen_m_per_s = (seen - before) / period_s;
         before = seen;
-        ErardInput input = {.kind = ERARD_MOTION, .position_m = seen, .velocity_m_per_s = seen_m_per_s};
-        if (erard_advance(action, period_s, &input, &reading) < 0) {
+        ErardInput input = {.kind = ERARD_INPUT_MOTION, .position_m = seen, .velocity_m_per_s = seen_m_per_s};
+        if (erard_action_advance(action, period_s, &input, &reading) < 0) {
             return 1;
         }
         /* The device, exactly enough for a drawing. */

@@ -24,7 +24,7 @@ int main(void) {
     size_t next = 0;
     for (uint32_t n = 0; n < 16000; n++) {
         while (next < count && events[next].time_s <= n * step_s) {
-            ErardInput input = {.kind = events[next].force_n > 0 ? ERARD_FORCE : ERARD_FREE, .force_n = events[next].force_n};
+            ErardInput input = {.kind = events[next].force_n > 0 ? ERARD_INPUT_FORCE : ERARD_INPUT_FREE, .force_n = events[next].force_n};
             if (erard_keyboard_drive(keyboard, events[next].key, &input) < 0) {
                 return 1;
             }
@@ -39,7 +39,7 @@ int main(void) {
             printf("key %u at %.4f s with %.3f m/s\n", impacts[b].key, impacts[b].time_s, impacts[b].hammer_speed_m_per_s);
         }
     }
-    printf("%u keys awake at the end\n", erard_keyboard_awake(keyboard));
+    printf("%u keys awake at the end\n", erard_keyboard_awake_count(keyboard));
     erard_keyboard_free(keyboard);
     return 0;
 }

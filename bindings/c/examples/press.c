@@ -12,7 +12,7 @@ int main(void) {
     }
     ErardReading reading;
     for (int n = 0; n < 10000; n++) {
-        if (erard_step_force(action, n < 5000 ? 5.0 : 0.0, &reading) < 0) {
+        if (erard_action_step_force(action, n < 5000 ? 5.0 : 0.0, &reading) < 0) {
             fprintf(stderr, "step %d\n", n);
             return 1;
         }

@@ -32,67 +32,67 @@
 /**
  * Largest force that an action accepts, N, up or down: a hundred times a fortissimo.
  */
-#define ERARD_LARGEST_FORCE_N 10000.0
+#define ERARD_MAX_FORCE_N 10000.0
 
 /**
  * Largest distance from rest that an action accepts, m, up or down: ten times a key's dip.
  */
-#define ERARD_LARGEST_POSITION_M 0.1
+#define ERARD_MAX_POSITION_M 0.1
 
 /**
  * Largest speed that an action accepts, m/s, up or down.
  */
-#define ERARD_LARGEST_SPEED_M_PER_S 100.0
+#define ERARD_MAX_SPEED_M_PER_S 100.0
 
 /**
- * Longest time that one call of erard_advance accepts, s.
+ * Longest time that one call of erard_action_advance accepts, s.
  */
-#define ERARD_LONGEST_ADVANCE_S 1.0
+#define ERARD_MAX_ADVANCE_S 1.0
 
 /**
  * ErardInput.kind: nothing touches the key.
  */
-#define ERARD_FREE 0
+#define ERARD_INPUT_FREE 0
 
 /**
  * ErardInput.kind: a force on the key front (admittance).
  */
-#define ERARD_FORCE 1
+#define ERARD_INPUT_FORCE 1
 
 /**
  * ErardInput.kind: prescribed position and velocity of the fingertip's driven end (impedance). The fingertip is soft
  * and can only push.
  */
-#define ERARD_MOTION 2
+#define ERARD_INPUT_MOTION 2
 
 /**
  * ErardInput.kind: prescribed position and velocity of the key front itself. Do not use it in a loop with a device:
  * see "Closed loop" in the README.
  */
-#define ERARD_RIGID 3
+#define ERARD_INPUT_RIGID 3
 
 /**
  * ErardInput.kind: a hand, which is a mass moved by a muscle, behind a soft fingertip. The hand's position and
- * velocity are part of the action's state; erard_place_hand sets them.
+ * velocity are part of the action's state; erard_action_place_hand sets them.
  */
-#define ERARD_HAND 4
+#define ERARD_INPUT_HAND 4
 
 /**
  * Largest number of steps that one call of erard_keyboard_step accepts.
  */
-#define ERARD_MOST_STEPS 1000000
+#define ERARD_MAX_STEPS 1000000
 
 /**
  * Steps are halved as often as the strings need while a hammer is near them; the default. Impacts are converged. The
  * step in which ten impacts coincide in the top octave takes fifteen times as long.
  */
-#define ERARD_HALVE_AS_ASKED 0
+#define ERARD_HALVING_AUTO 0
 
 /**
  * Steps are never halved, so all take about the same time. The accuracy of impacts then depends on the step length: at
  * 1/24000 s the contact of the top octave lasts a sixth too long.
  */
-#define ERARD_HALVE_NEVER 1
+#define ERARD_HALVING_NEVER 1
 
 /**
  * Outcome of a call. Zero is success, above zero success with a remark, below zero an error. An error means that
@@ -125,8 +125,8 @@ enum ErardStatus
    */
   ERARD_STATUS_NOT_FINITE = -3,
   /**
-   * A number is out of range: a force, position or speed beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M or
-   * ERARD_LARGEST_SPEED_M_PER_S, a step length, a time or a number of steps.
+   * A number is out of range: a force, position or speed beyond ERARD_MAX_FORCE_N, ERARD_MAX_POSITION_M or
+   * ERARD_MAX_SPEED_M_PER_S, a step length, a time or a number of steps.
    */
   ERARD_STATUS_RANGE = -4,
   /**
@@ -134,7 +134,7 @@ enum ErardStatus
    */
   ERARD_STATUS_NO_SUCH = -5,
   /**
-   * The caller's memory is too small. erard_save and erard_keyboard_save write the size that is needed.
+   * The caller's memory is too small. erard_action_save and erard_keyboard_save write the size that is needed.
    */
   ERARD_STATUS_SIZE = -6,
   /**
@@ -178,6 +178,12 @@ typedef int32_t ErardStatus;
 typedef struct ErardAction ErardAction;
 
 /**
+ * Event detector: observes an action step by step and finds the events of one press. It belongs to the caller until
+ * erard_event_detector_free.
+ */
+typedef struct ErardEventDetector ErardEventDetector;
+
+/**
  * An instrument, with the text of the file that it was read from. It belongs to the caller until
  * erard_instrument_free. Only erard_instrument_set and erard_instrument_vary change it; several threads may read it at
  * once.
@@ -195,12 +201,6 @@ typedef struct ErardKeyboard ErardKeyboard;
  * erard_stroke_free. One thread at a time may use it.
  */
 typedef struct ErardStroke ErardStroke;
-
-/**
- * Event detector: observes an action step by step and finds the events of one press. It belongs to the caller until
- * erard_watch_free.
- */
-typedef struct ErardWatch ErardWatch;
 
 /**
  * Reading after a step. Positions are relative to rest; positions and velocities are those at the end of the step,
@@ -271,7 +271,7 @@ typedef struct ErardReading {
  */
 typedef struct ErardInput {
   /**
-   * ERARD_FREE, ERARD_FORCE, ERARD_MOTION, ERARD_RIGID or ERARD_HAND.
+   * ERARD_INPUT_FREE, ERARD_INPUT_FORCE, ERARD_INPUT_MOTION, ERARD_INPUT_RIGID or ERARD_INPUT_HAND.
    */
   uint32_t kind;
   /**
@@ -279,15 +279,15 @@ typedef struct ErardInput {
    */
   uint32_t reserved;
   /**
-   * Force on the key front, N, down positive. With ERARD_HAND: force of the muscle on the hand.
+   * Force on the key front, N, down positive. With ERARD_INPUT_HAND: force of the muscle on the hand.
    */
   double force_n;
   /**
-   * Position, m below the key front's rest. With ERARD_HAND: the position at which the muscle holds the hand.
+   * Position, m below the key front's rest. With ERARD_INPUT_HAND: the position at which the muscle holds the hand.
    */
   double position_m;
   /**
-   * Velocity, m/s, down positive. With ERARD_HAND: the velocity toward which the muscle damps the hand.
+   * Velocity, m/s, down positive. With ERARD_INPUT_HAND: the velocity toward which the muscle damps the hand.
    */
   double velocity_m_per_s;
   /**
@@ -430,7 +430,9 @@ struct ErardAction *erard_action_new(const char *text, size_t length, double ste
  * Makes an action at rest from an instrument, which may be freed afterwards. `step_s` and failures are as for
  * erard_action_new. Real time: no.
  */
-struct ErardAction *erard_action_of(const struct ErardInstrument *instrument, double step_s, ErardStatus *status);
+struct ErardAction *erard_action_of_instrument(const struct ErardInstrument *instrument,
+                                               double step_s,
+                                               ErardStatus *status);
 
 /**
  * Frees an action. NULL does nothing. Real time: no.
@@ -441,7 +443,7 @@ void erard_action_free(struct ErardAction *action);
  * Takes one step under a force on the key front, N, down positive (admittance: force in, position out). `reading` may
  * be NULL. An error leaves the action as it was. Real time: yes.
  */
-ErardStatus erard_step_force(struct ErardAction *action, double force_n, struct ErardReading *reading);
+ErardStatus erard_action_step_force(struct ErardAction *action, double force_n, struct ErardReading *reading);
 
 /**
  * Takes one step under a device that is `position_m` below the key's rest and moves at `velocity_m_per_s`, down
@@ -449,61 +451,64 @@ ErardStatus erard_step_force(struct ErardAction *action, double force_n, struct 
  * fingertip of the instrument's file couples device and key: a spring and a damper that only push (virtual coupling).
  * `reading` may be NULL. An error leaves the action as it was. Real time: yes.
  */
-ErardStatus erard_step_motion(struct ErardAction *action,
-                              double position_m,
-                              double velocity_m_per_s,
-                              struct ErardReading *reading);
+ErardStatus erard_action_step_motion(struct ErardAction *action,
+                                     double position_m,
+                                     double velocity_m_per_s,
+                                     struct ErardReading *reading);
 
 /**
  * Takes one step with prescribed motion of the key front: its position, m below rest, and velocity, m/s, down
  * positive, at the end of the step. Use it for measured strokes, not in a loop with a device (README, "Closed loop").
  * `reading` may be NULL. An error leaves the action as it was. Real time: yes.
  */
-ErardStatus erard_step_rigid(struct ErardAction *action,
-                             double position_m,
-                             double velocity_m_per_s,
-                             struct ErardReading *reading);
+ErardStatus erard_action_step_rigid(struct ErardAction *action,
+                                    double position_m,
+                                    double velocity_m_per_s,
+                                    struct ErardReading *reading);
 
 /**
  * Takes one step with nothing touching the key. `reading` may be NULL. An error leaves the action as it was. Real
  * time: yes.
  */
-ErardStatus erard_step_free(struct ErardAction *action, struct ErardReading *reading);
+ErardStatus erard_action_step_free(struct ErardAction *action, struct ErardReading *reading);
 
 /**
  * Takes one step under an input of any kind, including a hand. `reading` may be NULL. An error leaves the action as it
  * was. Real time: yes.
  */
-ErardStatus erard_step_input(struct ErardAction *action, const struct ErardInput *input, struct ErardReading *reading);
+ErardStatus erard_action_step_input(struct ErardAction *action,
+                                    const struct ErardInput *input,
+                                    struct ErardReading *reading);
 
 /**
- * Places the hand (ERARD_HAND): `position_m` is m below the key front's rest, `velocity_m_per_s` m/s, down positive.
- * In a new action the hand is at the key front's rest. Only steps with ERARD_HAND move it. Real time: yes.
+ * Places the hand (ERARD_INPUT_HAND): `position_m` is m below the key front's rest, `velocity_m_per_s` m/s, down
+ * positive. In a new action the hand is at the key front's rest. Only steps with ERARD_INPUT_HAND move it. Real time:
+ * yes.
  */
-ErardStatus erard_place_hand(struct ErardAction *action, double position_m, double velocity_m_per_s);
+ErardStatus erard_action_place_hand(struct ErardAction *action, double position_m, double velocity_m_per_s);
 
 /**
- * Takes as many steps as fit into `dt_s` (s, 0 to ERARD_LONGEST_ADVANCE_S), for a device that is slower than the
+ * Takes as many steps as fit into `dt_s` (s, 0 to ERARD_MAX_ADVANCE_S), for a device that is slower than the
  * steps. The remaining time is added to the next call, so periods of any length do not drift. The input is that at the
  * beginning of `dt_s`: a force is held, a position continues at its velocity. Render finger_mean_n of the reading:
  * held over `dt_s`, it has the same impulse as the steps. If a step fails, the action is left as it was before the
  * call. Real time: yes; the call takes as long as its steps.
  */
-ErardStatus erard_advance(struct ErardAction *action,
-                          double dt_s,
-                          const struct ErardInput *input,
-                          struct ErardReading *reading);
+ErardStatus erard_action_advance(struct ErardAction *action,
+                                 double dt_s,
+                                 const struct ErardInput *input,
+                                 struct ErardReading *reading);
 
 /**
  * Writes the present reading of the action to `reading`; after a step, it is the reading that the step wrote. Real
  * time: yes.
  */
-ErardStatus erard_read(const struct ErardAction *action, struct ErardReading *reading);
+ErardStatus erard_action_read(const struct ErardAction *action, struct ErardReading *reading);
 
 /**
  * Returns the action to its state when it was made: at rest, at 0 s, with no impact counted. Real time: yes.
  */
-ErardStatus erard_reset(struct ErardAction *action);
+ErardStatus erard_action_reset(struct ErardAction *action);
 
 /**
  * Writes the action's complete state to `bytes`. A restored action continues with the same bits. `size` holds the room
@@ -513,34 +518,34 @@ ErardStatus erard_reset(struct ErardAction *action);
  * earlier library skips the lists that a later one adds, and a later one does without those that an earlier one lacks.
  * The bytes are the same on every machine. Real time: yes.
  */
-ErardStatus erard_save(const struct ErardAction *action, uint8_t *bytes, size_t *size);
+ErardStatus erard_action_save(const struct ErardAction *action, uint8_t *bytes, size_t *size);
 
 /**
  * Sets the target lift of the sustain pedal's rail, m, 0 to 0.010; values outside are clamped. The rail moves there at
  * no more than 0.5 m/s. Without modal strings or without a rail, the call does nothing. Real time: yes.
  */
-ErardStatus erard_set_pedal(struct ErardAction *action, double lift_m);
+ErardStatus erard_action_set_pedal(struct ErardAction *action, double lift_m);
 
 /**
  * Writes the present force of the strings on the bridge, N, to `force_n`, positive in the direction in which the
  * hammer pushes the strings; 0 without modal strings. `erard press --wav` writes this force less its value at rest as
  * sound. Real time: yes.
  */
-ErardStatus erard_bridge_force(const struct ErardAction *action, double *force_n);
+ErardStatus erard_action_bridge_force(const struct ErardAction *action, double *force_n);
 
 /**
- * Writes the positions at which erard_string_shape samples the middle string to `places_m` (which may be NULL), at
- * most `count` of them: m from the striking point, positive away from the string's nearer end. Returns the number of
- * positions; 0 without modal strings and for NULL. Real time: yes.
+ * Writes the positions at which erard_action_string_shape samples the middle string to `places_m` (which may be NULL),
+ * at most `count` of them: m from the striking point, positive away from the string's nearer end. Returns the number
+ * of positions; 0 without modal strings and for NULL. Real time: yes.
  */
-size_t erard_string_places(const struct ErardAction *action, double *places_m, size_t count);
+size_t erard_action_string_places(const struct ErardAction *action, double *places_m, size_t count);
 
 /**
- * Writes the displacement of the middle string from its rest at each position of erard_string_places, m, positive away
- * from the hammer. `count` is the room in `shape_m`, at least the number of positions, else the call returns
- * ERARD_STATUS_SIZE. Without modal strings, the call writes nothing. Real time: yes.
+ * Writes the displacement of the middle string from its rest at each position of erard_action_string_places, m,
+ * positive away from the hammer. `count` is the room in `shape_m`, at least the number of positions, else the call
+ * returns ERARD_STATUS_SIZE. Without modal strings, the call writes nothing. Real time: yes.
  */
-ErardStatus erard_string_shape(const struct ErardAction *action, float *shape_m, size_t count);
+ErardStatus erard_action_string_shape(const struct ErardAction *action, float *shape_m, size_t count);
 
 /**
  * Restores a saved state. The instrument must have the same numbers (name, notes and order in the file may differ) and
@@ -548,54 +553,54 @@ ErardStatus erard_string_shape(const struct ErardAction *action, float *shape_m,
  * error (ERARD_STATUS_SAVED, ERARD_STATUS_FOREIGN or ERARD_STATUS_NOT_FINITE) leaves the action as it was. Real time:
  * yes.
  */
-ErardStatus erard_restore(struct ErardAction *action, const uint8_t *bytes, size_t size);
+ErardStatus erard_action_restore(struct ErardAction *action, const uint8_t *bytes, size_t size);
 
 /**
  * Returns the number of bodies of an action; 0 for NULL. Real time: yes.
  */
-size_t erard_body_count(const struct ErardAction *action);
+size_t erard_action_body_count(const struct ErardAction *action);
 
 /**
  * Returns the number of contact zones of an action; 0 for NULL. Real time: yes.
  */
-size_t erard_zone_count(const struct ErardAction *action);
+size_t erard_action_zone_count(const struct ErardAction *action);
 
 /**
  * Returns the name of a body as the instrument file gives it; `body` counts from 0. Returns NULL if there is no such
  * body. The text belongs to the action and is valid as long as the action. Real time: yes.
  */
-const char *erard_body_name(const struct ErardAction *action, size_t body);
+const char *erard_action_body_name(const struct ErardAction *action, size_t body);
 
 /**
- * Returns the name of a contact zone; `zone` counts from 0. Otherwise as erard_body_name. Real time: yes.
+ * Returns the name of a contact zone; `zone` counts from 0. Otherwise as erard_action_body_name. Real time: yes.
  */
-const char *erard_zone_name(const struct ErardAction *action, size_t zone);
+const char *erard_action_zone_name(const struct ErardAction *action, size_t zone);
 
 /**
  * Writes the absolute angles of all bodies, rad, to `angles_rad`: positive counter-clockwise, seen with the player on
- * the left. `count` is the room in `angles_rad`, at least erard_body_count, else the call returns ERARD_STATUS_SIZE.
- * Real time: yes.
+ * the left. `count` is the room in `angles_rad`, at least erard_action_body_count, else the call returns
+ * ERARD_STATUS_SIZE. Real time: yes.
  */
-ErardStatus erard_angles(const struct ErardAction *action, double *angles_rad, size_t count);
+ErardStatus erard_action_angles(const struct ErardAction *action, double *angles_rad, size_t count);
 
 /**
  * Writes the absolute angular velocities of all bodies, rad/s, to `velocities_rad_s`. Sign and `count` are as for
- * erard_angles. Real time: yes.
+ * erard_action_angles. Real time: yes.
  */
-ErardStatus erard_velocities(const struct ErardAction *action, double *velocities_rad_s, size_t count);
+ErardStatus erard_action_velocities(const struct ErardAction *action, double *velocities_rad_s, size_t count);
 
 /**
  * Writes the normal forces of all contact zones in the last step, N, never negative, to `forces_n`. `count` is the
- * room in `forces_n`, at least erard_zone_count, else the call returns ERARD_STATUS_SIZE. After a restore or a reset
- * the forces are 0 until the next step. Real time: yes.
+ * room in `forces_n`, at least erard_action_zone_count, else the call returns ERARD_STATUS_SIZE. After a restore or a
+ * reset the forces are 0 until the next step. Real time: yes.
  */
-ErardStatus erard_contact_forces(const struct ErardAction *action, double *forces_n, size_t count);
+ErardStatus erard_action_contact_forces(const struct ErardAction *action, double *forces_n, size_t count);
 
 /**
  * Makes 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is built in.
  * NULL and 0 give the built-in concert grand. `step_s` is the step length, s, as for erard_action_new. Each key keeps
- * its input until you change it; at first it is ERARD_FREE. Returns NULL on failure: `status` (which may be NULL)
- * receives the reason, and erard_last_error describes it. Real time: no (it takes about half a second).
+ * its input until you change it; at first it is ERARD_INPUT_FREE. Returns NULL on failure: `status` (which may be
+ * NULL) receives the reason, and erard_last_error describes it. Real time: no (it takes about half a second).
  */
 struct ErardKeyboard *erard_keyboard_new(const char *text, size_t length, double step_s, ErardStatus *status);
 
@@ -614,22 +619,22 @@ void erard_keyboard_free(struct ErardKeyboard *keyboard);
 /**
  * Returns the number of keys; 0 for NULL. Keys count from 1, the lowest A. Real time: yes.
  */
-uint32_t erard_keyboard_keys(const struct ErardKeyboard *keyboard);
+uint32_t erard_keyboard_key_count(const struct ErardKeyboard *keyboard);
 
 /**
  * Returns the number of keys that are awake, which are those that take computing time; 0 for NULL. Real time: yes.
  */
-uint32_t erard_keyboard_awake(const struct ErardKeyboard *keyboard);
+uint32_t erard_keyboard_awake_count(const struct ErardKeyboard *keyboard);
 
 /**
- * Sets the input of a key from the next step on; `key` counts from 1. The position of ERARD_MOTION stays constant,
- * whatever its velocity: set the input again whenever the position changes. Returns ERARD_STATUS_NO_SUCH if there is
- * no such key. Real time: yes.
+ * Sets the input of a key from the next step on; `key` counts from 1. The position of ERARD_INPUT_MOTION stays
+ * constant, whatever its velocity: set the input again whenever the position changes. Returns ERARD_STATUS_NO_SUCH if
+ * there is no such key. Real time: yes.
  */
 ErardStatus erard_keyboard_drive(struct ErardKeyboard *keyboard, uint32_t key, const struct ErardInput *input);
 
 /**
- * Places the hand (ERARD_HAND) on a key, as erard_place_hand does; `key` counts from 1. Real time: yes.
+ * Places the hand (ERARD_INPUT_HAND) on a key, as erard_action_place_hand does; `key` counts from 1. Real time: yes.
  */
 ErardStatus erard_keyboard_place_hand(struct ErardKeyboard *keyboard,
                                       uint32_t key,
@@ -637,14 +642,14 @@ ErardStatus erard_keyboard_place_hand(struct ErardKeyboard *keyboard,
                                       double velocity_m_per_s);
 
 /**
- * Sets the target lift of the sustain pedal's rail, m, under all keys that have one, as erard_set_pedal does. Real
- * time: yes.
+ * Sets the target lift of the sustain pedal's rail, m, under all keys that have one, as erard_action_set_pedal does.
+ * Real time: yes.
  */
 ErardStatus erard_keyboard_set_pedal(struct ErardKeyboard *keyboard, double lift_m);
 
 /**
- * Writes the present force of a key's strings on the bridge, N, to `force_n`, as erard_bridge_force does; `key` counts
- * from 1. Real time: yes.
+ * Writes the present force of a key's strings on the bridge, N, to `force_n`, as erard_action_bridge_force does; `key`
+ * counts from 1. Real time: yes.
  */
 ErardStatus erard_keyboard_bridge_force(const struct ErardKeyboard *keyboard, uint32_t key, double *force_n);
 
@@ -652,10 +657,10 @@ ErardStatus erard_keyboard_bridge_force(const struct ErardKeyboard *keyboard, ui
  * Writes the present force of all keys' strings on the bridge, N, to `force_n`, including the load of the dampers at
  * rest; 0 without modal strings. Real time: yes.
  */
-ErardStatus erard_keyboard_bridge_sum(const struct ErardKeyboard *keyboard, double *force_n);
+ErardStatus erard_keyboard_total_bridge_force(const struct ErardKeyboard *keyboard, double *force_n);
 
 /**
- * Takes `steps` steps (1 to ERARD_MOST_STEPS) of all keys that are awake. Writes the impacts in the order of the steps
+ * Takes `steps` steps (1 to ERARD_MAX_STEPS) of all keys that are awake. Writes the impacts in the order of the steps
  * to `impacts`, at most `capacity` of them. `count` (which may be NULL) receives the number of impacts; those beyond
  * `capacity` are lost. If a key's numbers become infinite, that key stays as it was, the other keys continue, and the
  * call returns ERARD_STATUS_NOT_FINITE. Real time: yes.
@@ -674,13 +679,13 @@ ErardStatus erard_keyboard_read(const struct ErardKeyboard *keyboard, uint32_t k
 
 /**
  * Writes the absolute angles of a key's bodies, rad, to `angles_rad`, in the order of the bodies in its instrument, as
- * erard_angles does for one action. `key` counts from 1; `count` is the room in `angles_rad`. Real time: yes.
+ * erard_action_angles does for one action. `key` counts from 1; `count` is the room in `angles_rad`. Real time: yes.
  */
 ErardStatus erard_keyboard_angles(const struct ErardKeyboard *keyboard, uint32_t key, double *angles_rad, size_t count);
 
 /**
- * Writes the keyboard's complete state, including inputs and time, to `bytes`, as erard_save does (about 220 kB). Real
- * time: yes.
+ * Writes the keyboard's complete state, including inputs and time, to `bytes`, as erard_action_save does (about 220
+ * kB). Real time: yes.
  */
 ErardStatus erard_keyboard_save(const struct ErardKeyboard *keyboard, uint8_t *bytes, size_t *size);
 
@@ -692,27 +697,28 @@ ErardStatus erard_keyboard_restore(struct ErardKeyboard *keyboard, const uint8_t
 
 /**
  * Chooses whether an action's steps are halved while its hammer is near modal strings, from the next step on:
- * ERARD_HALVE_AS_ASKED (the default) or ERARD_HALVE_NEVER, else the call returns ERARD_STATUS_ARGUMENT. Saved states
+ * ERARD_HALVING_AUTO (the default) or ERARD_HALVING_NEVER, else the call returns ERARD_STATUS_ARGUMENT. Saved states
  * do not contain this choice: set it again after making an action. Without modal strings it changes nothing. Real
  * time: no (it may allocate); call it before the loop.
  */
-ErardStatus erard_halve(struct ErardAction *action, uint32_t kind);
+ErardStatus erard_action_set_halving(struct ErardAction *action, uint32_t kind);
 
 /**
- * Chooses the halving of steps for all keys of a keyboard, as erard_halve does, and wakes all keys. Real time: no.
+ * Chooses the halving of steps for all keys of a keyboard, as erard_action_set_halving does, and wakes all keys. Real
+ * time: no.
  */
-ErardStatus erard_keyboard_halve(struct ErardKeyboard *keyboard, uint32_t kind);
+ErardStatus erard_keyboard_set_halving(struct ErardKeyboard *keyboard, uint32_t kind);
 
 /**
  * Reads an instrument from the text of its file (UTF-8, `length` bytes). NULL and 0 give the built-in concert grand.
  * Returns NULL on failure: `status` (which may be NULL) receives the reason, and erard_last_error describes it;
- * erard_check reports the error as JSON. Real time: no, like all functions of instruments.
+ * erard_file_check reports the error as JSON. Real time: no, like all functions of instruments.
  */
 struct ErardInstrument *erard_instrument_new(const char *text, size_t length, ErardStatus *status);
 
 /**
- * Reads a built-in instrument by its name, e.g. "heavy-touch"; erard_builtin lists the names. Returns NULL on failure,
- * with ERARD_STATUS_NO_SUCH for an unknown name.
+ * Reads a built-in instrument by its name, e.g. "heavy-touch"; erard_builtin_names lists the names. Returns NULL on
+ * failure, with ERARD_STATUS_NO_SUCH for an unknown name.
  */
 struct ErardInstrument *erard_instrument_builtin(const char *called, ErardStatus *status);
 
@@ -724,8 +730,8 @@ struct ErardInstrument *erard_instrument_of_key(uint32_t key, ErardStatus *statu
 
 /**
  * Reads the instrument of a key, 1 to 88, of a built-in keyboard by the keyboard's name, e.g. "concert-grand-strings";
- * erard_builtin lists the names. Returns NULL on failure, with ERARD_STATUS_NO_SUCH if there is no such keyboard or
- * key.
+ * erard_builtin_names lists the names. Returns NULL on failure, with ERARD_STATUS_NO_SUCH if there is no such keyboard
+ * or key.
  */
 struct ErardInstrument *erard_instrument_of_keyboard(const char *called, uint32_t key, ErardStatus *status);
 
@@ -777,13 +783,13 @@ char *erard_instrument_json(const struct ErardInstrument *instrument, size_t *le
  * error. Text that is not UTF-8 is reported as an error, too. Returns NULL on failure, such as a NULL text. Free the
  * JSON with erard_text_free.
  */
-char *erard_check(const char *text, size_t length, size_t *json_length, ErardStatus *status);
+char *erard_file_check(const char *text, size_t length, size_t *json_length, ErardStatus *status);
 
 /**
  * Returns the names of the built-in instruments and keyboards as JSON: {"instruments": [...], "keyboards": [...]}.
  * Free the text with erard_text_free.
  */
-char *erard_builtin(size_t *length, ErardStatus *status);
+char *erard_builtin_names(size_t *length, ErardStatus *status);
 
 /**
  * Changes one quantity by its common name, as the command's option `--vary` does. `called` is "body.hammer.mass" (a
@@ -799,17 +805,17 @@ ErardStatus erard_instrument_vary(struct ErardInstrument *instrument, const char
 
 /**
  * Returns a drawing of the instrument in one pose as SVG, as the command draws it. `angles_rad` holds `count` absolute
- * angles of its bodies, rad, as erard_angles writes them; NULL and 0 draw the pose of its file. `size_px` is the
- * longer side, 16 to 16384 px. `labels` is 1 to name the parts. Elements of a moving part have the attribute
+ * angles of its bodies, rad, as erard_action_angles writes them; NULL and 0 draw the pose of its file. `size_px` is
+ * the longer side, 16 to 16384 px. `labels` is 1 to name the parts. Elements of a moving part have the attribute
  * `data-body`, the body's number. Returns NULL on failure. Free the text with erard_text_free.
  */
-char *erard_draw(const struct ErardInstrument *instrument,
-                 const double *angles_rad,
-                 size_t count,
-                 double size_px,
-                 uint32_t labels,
-                 size_t *length,
-                 ErardStatus *status);
+char *erard_instrument_draw(const struct ErardInstrument *instrument,
+                            const double *angles_rad,
+                            size_t count,
+                            double size_px,
+                            uint32_t labels,
+                            size_t *length,
+                            ErardStatus *status);
 
 /**
  * Measures an instrument as a technician does and returns JSON. If `wanted` is NULL, the JSON is the whole sheet, as
@@ -820,13 +826,13 @@ char *erard_draw(const struct ErardInstrument *instrument,
  * NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown line or key and ERARD_STATUS_ARGUMENT for a key other than
  * the instrument's own. Free the text with erard_text_free.
  */
-char *erard_measure(const struct ErardInstrument *instrument,
-                    uint32_t key,
-                    const char *wanted,
-                    ErardProgress progress,
-                    void *user,
-                    size_t *length,
-                    ErardStatus *status);
+char *erard_instrument_measure(const struct ErardInstrument *instrument,
+                               uint32_t key,
+                               const char *wanted,
+                               ErardProgress progress,
+                               void *user,
+                               size_t *length,
+                               ErardStatus *status);
 
 /**
  * Turns an instrument's screws until its action meets goals and returns JSON: the outcome of every goal, the screws
@@ -836,12 +842,12 @@ char *erard_measure(const struct ErardInstrument *instrument,
  * in mm/s, the damper in %) or texts with units: {"let-off": 1.5, "blow": "1.8in"}. `progress` may be NULL. Takes
  * seconds. Returns NULL on failure. Free the text with erard_text_free.
  */
-char *erard_regulate(const struct ErardInstrument *instrument,
-                     const char *goals,
-                     ErardProgress progress,
-                     void *user,
-                     size_t *length,
-                     ErardStatus *status);
+char *erard_instrument_regulate(const struct ErardInstrument *instrument,
+                                const char *goals,
+                                ErardProgress progress,
+                                void *user,
+                                size_t *length,
+                                ErardStatus *status);
 
 /**
  * Returns a drawing of an instrument as JSON, for a page that animates it. "shapes" and "gradients" are SVG for a g
@@ -850,20 +856,20 @@ char *erard_regulate(const struct ErardInstrument *instrument,
  * is one), "string" (its striking point and height; null for a rigid string), "labels", "views" and the scale of the
  * arrows follow. Lengths are mm of the picture. Returns NULL on failure. Free the text with erard_text_free.
  */
-char *erard_scene(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
+char *erard_instrument_drawing_json(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
 
 /**
  * Returns the lines of the protocol sheet as JSON: groups of "heading" and "lines". Each line has "key" (its name in
- * erard_measure), "label", "unit", "decimals", and its norm at a piano key, 1 to 88: "usual" ([low, high]; null where
- * open) and "source". Returns NULL if there is no such piano key. Free the text with erard_text_free.
+ * erard_instrument_measure), "label", "unit", "decimals", and its norm at a piano key, 1 to 88: "usual" ([low, high];
+ * null where open) and "source". Returns NULL if there is no such piano key. Free the text with erard_text_free.
  */
-char *erard_sheet(uint32_t key, size_t *length, ErardStatus *status);
+char *erard_sheet_lines(uint32_t key, size_t *length, ErardStatus *status);
 
 /**
  * Diagnoses a key of a real piano from its measured readings and returns JSON, as `erard diagnose` writes it to
  * diagnosis.json: readings, causes, remedies and what to measure next. `readings` is a JSON object: "key" (1 to 88, or
  * a note; without it C4 is assumed and "is_key_assumed" is true), "leads" ("14@165, 14@147"), and readings by the
- * names of erard_diagnosable, as numbers or as texts with units. Takes up to seconds. Returns NULL on failure;
+ * names of erard_diagnose_quantities, as numbers or as texts with units. Takes up to seconds. Returns NULL on failure;
  * erard_last_error lists all errors in the readings. Free the text with erard_text_free.
  */
 char *erard_diagnose(const char *readings, size_t *length, ErardStatus *status);
@@ -881,14 +887,14 @@ char *erard_diagnose_check(const char *readings, size_t *length, ErardStatus *st
  * not applicable to this key) and "how" to measure it. Returns NULL if there is no such key. Free the text with
  * erard_text_free.
  */
-char *erard_diagnosable(uint32_t key, size_t *length, ErardStatus *status);
+char *erard_diagnose_quantities(uint32_t key, size_t *length, ErardStatus *status);
 
 /**
  * Returns the screws and parameters of an instrument that can be changed, called dials, as JSON: an array of "name",
  * "label", "note", "group", "unit", "decimals", "value", "from" and "to". Returns NULL on failure. Free the text with
  * erard_text_free.
  */
-char *erard_dials(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
+char *erard_instrument_dials(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
 
 /**
  * Returns a new instrument with dials set to new values. `turns` is a JSON object of dial names and values, e.g.
@@ -896,61 +902,63 @@ char *erard_dials(const struct ErardInstrument *instrument, size_t *length, Erar
  * on failure, such as a value out of range or one that the file may not have. The new instrument belongs to the caller
  * until erard_instrument_free.
  */
-struct ErardInstrument *erard_turned(const struct ErardInstrument *instrument, const char *turns, ErardStatus *status);
+struct ErardInstrument *erard_instrument_with_dials(const struct ErardInstrument *instrument,
+                                                    const char *turns,
+                                                    ErardStatus *status);
 
 /**
  * Presses an instrument once, mezzo forte, and reports as JSON whether it plays: "hammer_speed_m_per_s" (null if the
  * hammer does not reach the string) and "warnings", sentences about results that cannot be trusted and parts that do
  * not work. Takes a tenth of a second. Returns NULL on failure. Free the text with erard_text_free.
  */
-char *erard_try(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
+char *erard_instrument_test_press(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
 
 /**
  * Makes an event detector for one press on an action of this instrument. Returns NULL if the instrument is NULL. Real
  * time: no.
  */
-struct ErardWatch *erard_watch_new(const struct ErardInstrument *instrument, ErardStatus *status);
+struct ErardEventDetector *erard_event_detector_new(const struct ErardInstrument *instrument, ErardStatus *status);
 
 /**
  * Frees an event detector. NULL does nothing. Real time: no.
  */
-void erard_watch_free(struct ErardWatch *watch);
+void erard_event_detector_free(struct ErardEventDetector *detector);
 
 /**
  * Clears the events that were found, so that the next press can be observed. Real time: no.
  */
-ErardStatus erard_watch_again(struct ErardWatch *watch);
+ErardStatus erard_event_detector_reset(struct ErardEventDetector *detector);
 
 /**
  * Observes the action once. Call it before the first step of a press and after every step. Returns
  * ERARD_STATUS_FOREIGN if the action does not match the detector's instrument. Real time: no.
  */
-ErardStatus erard_watch_look(struct ErardWatch *watch, const struct ErardAction *action);
+ErardStatus erard_event_detector_observe(struct ErardEventDetector *detector, const struct ErardAction *action);
 
 /**
  * Writes the events found so far to `events`. Real time: no.
  */
-ErardStatus erard_watch_read(const struct ErardWatch *watch, struct ErardEvents *events);
+ErardStatus erard_event_detector_read(const struct ErardEventDetector *detector, struct ErardEvents *events);
 
 /**
- * Makes an action record where its zones touch, from the next step on, for erard_contacts. Recording costs a few
- * percent of a step and does not change the results by a bit. Real time: no.
+ * Makes an action record where its zones touch, from the next step on, for erard_action_contacts. Recording costs a
+ * few percent of a step and does not change the results by a bit. Real time: no.
  */
-ErardStatus erard_keep_contacts(struct ErardAction *action);
+ErardStatus erard_action_record_contacts(struct ErardAction *action);
 
 /**
  * Writes the state of the contact zones in the last step to `numbers`, five for each zone: force, N; the contact
  * point, m in the world, x to the back and y up; the unit normal, in the direction in which the force pushes the disc.
- * They are 0 for zones that do not touch, and before erard_keep_contacts. `count` is the room in `numbers`, at least
- * five times erard_zone_count, else the call returns ERARD_STATUS_SIZE. Real time: no.
+ * They are 0 for zones that do not touch, and before erard_action_record_contacts. `count` is the room in `numbers`,
+ * at least five times erard_action_zone_count, else the call returns ERARD_STATUS_SIZE. Real time: no.
  */
-ErardStatus erard_contacts(const struct ErardAction *action, double *numbers, size_t count);
+ErardStatus erard_action_contacts(const struct ErardAction *action, double *numbers, size_t count);
 
 /**
  * Returns 1 if the last step changed nothing, so that further steps under the same input change nothing either; else
  * 0, also for NULL. Real time: no.
  */
-uint32_t erard_rests(const struct ErardAction *action);
+uint32_t erard_action_is_asleep(const struct ErardAction *action);
 
 /**
  * Makes a built-in touch for an instrument: `nuance` is "pp", "p", "mf", "f" or "ff" (hammer speeds at the string of
@@ -968,8 +976,8 @@ struct ErardStroke *erard_stroke_builtin(const struct ErardInstrument *instrumen
  * Makes a stroke for an instrument from a recording, the text of a CSV file (UTF-8, `length` bytes) with a column for
  * the time and one for force or position. Its force drives the key if there is one, else its position. The recording
  * is prepared as `erard press` does without options: the rest before the touch gives the zero, and each channel is
- * filtered by its own noise; erard_stroke_told lists the changes. Returns NULL on failure; erard_last_error says what
- * is wrong, with line and column. Real time: no.
+ * filtered by its own noise; erard_stroke_remarks lists the changes. Returns NULL on failure; erard_last_error says
+ * what is wrong, with line and column. Real time: no.
  */
 struct ErardStroke *erard_stroke_new(const struct ErardInstrument *instrument,
                                      const char *text,
@@ -980,7 +988,7 @@ struct ErardStroke *erard_stroke_new(const struct ErardInstrument *instrument,
  * Returns the changes and remarks from preparing a recorded stroke, one in each line; empty for a built-in stroke.
  * Free the text with erard_text_free.
  */
-char *erard_stroke_told(const struct ErardStroke *stroke, size_t *length, ErardStatus *status);
+char *erard_stroke_remarks(const struct ErardStroke *stroke, size_t *length, ErardStatus *status);
 
 /**
  * Finds the columns of a recording by their titles and returns them as JSON: an array of "role" ("time", "force",
@@ -1009,7 +1017,9 @@ ErardStatus erard_stroke_rewind(struct ErardStroke *stroke);
  * Takes one step of an action under the stroke's next input. From an action at rest, the results have the same bits as
  * `erard press`. `reading` may be NULL. An error leaves action and stroke as they were. Real time: no.
  */
-ErardStatus erard_step_stroke(struct ErardAction *action, struct ErardStroke *stroke, struct ErardReading *reading);
+ErardStatus erard_action_step_stroke(struct ErardAction *action,
+                                     struct ErardStroke *stroke,
+                                     struct ErardReading *reading);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -87,39 +87,39 @@ class Action {
     }
     explicit Action(const Instrument &of, double step_s = 50e-6) {
         ErardStatus s;
-        auto *p = erard_action_of(of.handle(), step_s, &s);
+        auto *p = erard_action_of_instrument(of.handle(), step_s, &s);
         own = detail::owned(p, s);
     }
-    [[nodiscard]] ErardStatus force(double n, ErardReading &r) noexcept { return erard_step_force(own.get(), n, &r); }
+    [[nodiscard]] ErardStatus force(double n, ErardReading &r) noexcept { return erard_action_step_force(own.get(), n, &r); }
     [[nodiscard]] ErardStatus motion(double m, double m_per_s, ErardReading &r) noexcept {
-        return erard_step_motion(own.get(), m, m_per_s, &r);
+        return erard_action_step_motion(own.get(), m, m_per_s, &r);
     }
     [[nodiscard]] ErardStatus rigid(double m, double m_per_s, ErardReading &r) noexcept {
-        return erard_step_rigid(own.get(), m, m_per_s, &r);
+        return erard_action_step_rigid(own.get(), m, m_per_s, &r);
     }
-    [[nodiscard]] ErardStatus step(const ErardInput &in, ErardReading &r) noexcept { return erard_step_input(own.get(), &in, &r); }
-    [[nodiscard]] ErardStatus place_hand(double m, double m_per_s) noexcept { return erard_place_hand(own.get(), m, m_per_s); }
+    [[nodiscard]] ErardStatus step(const ErardInput &in, ErardReading &r) noexcept { return erard_action_step_input(own.get(), &in, &r); }
+    [[nodiscard]] ErardStatus place_hand(double m, double m_per_s) noexcept { return erard_action_place_hand(own.get(), m, m_per_s); }
     [[nodiscard]] ErardStatus advance(double dt_s, const ErardInput &in, ErardReading &r) noexcept {
-        return erard_advance(own.get(), dt_s, &in, &r);
+        return erard_action_advance(own.get(), dt_s, &in, &r);
     }
-    [[nodiscard]] ErardStatus set_pedal(double lift_m) noexcept { return erard_set_pedal(own.get(), lift_m); }
+    [[nodiscard]] ErardStatus set_pedal(double lift_m) noexcept { return erard_action_set_pedal(own.get(), lift_m); }
     ErardReading reading() const noexcept {
         ErardReading r{};
-        erard_read(own.get(), &r);
+        erard_action_read(own.get(), &r);
         return r;
     }
-    double bridge_force() const noexcept { double n = 0.0; erard_bridge_force(own.get(), &n); return n; }
+    double bridge_force() const noexcept { double n = 0.0; erard_action_bridge_force(own.get(), &n); return n; }
     std::vector<unsigned char> save() const {
         std::size_t n = 0;
-        erard_save(own.get(), nullptr, &n);
+        erard_action_save(own.get(), nullptr, &n);
         std::vector<unsigned char> bytes(n);
-        erard_save(own.get(), bytes.data(), &n);
+        erard_action_save(own.get(), bytes.data(), &n);
         return bytes;
     }
     [[nodiscard]] ErardStatus restore(const std::vector<unsigned char> &bytes) noexcept {
-        return erard_restore(own.get(), bytes.data(), bytes.size());
+        return erard_action_restore(own.get(), bytes.data(), bytes.size());
     }
-    void reset() noexcept { erard_reset(own.get()); }
+    void reset() noexcept { erard_action_reset(own.get()); }
     ErardAction *handle() noexcept { return own.get(); }
 };
 
@@ -156,7 +156,7 @@ class Keyboard {
         erard_keyboard_bridge_force(own.get(), key, &n);
         return n;
     }
-    double bridge_force() const noexcept { double n = 0.0; erard_keyboard_bridge_sum(own.get(), &n); return n; }
+    double bridge_force() const noexcept { double n = 0.0; erard_keyboard_total_bridge_force(own.get(), &n); return n; }
     std::vector<unsigned char> save() const {
         std::size_t n = 0;
         erard_keyboard_save(own.get(), nullptr, &n);

@@ -9,7 +9,7 @@ use erard::{Action, Input, Instrument};
 use crate::instrument::{ErardInstrument, parse};
 use crate::play::{Play, settings};
 use crate::reading::{
-    ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_PER_S, ErardInput, ErardReading, within,
+    ERARD_MAX_FORCE_N, ERARD_MAX_POSITION_M, ERARD_MAX_SPEED_M_PER_S, ErardInput, ErardReading, within,
 };
 use crate::status::{ErardStatus, Fault, quick, told};
 
@@ -63,7 +63,7 @@ pub unsafe extern "C" fn erard_action_new(
 /// Makes an action at rest from an instrument, which may be freed afterwards. `step_s` and failures are as for
 /// erard_action_new. Real time: no.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_action_of(
+pub unsafe extern "C" fn erard_action_of_instrument(
     instrument: *const ErardInstrument,
     step_s: f64,
     status: *mut ErardStatus,
@@ -80,8 +80,8 @@ pub unsafe extern "C" fn erard_action_of(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_action_free(action: *mut ErardAction) {
     if !action.is_null() {
-        // SAFETY: `action` is not NULL, comes from erard_action_new or erard_action_of, has not been freed, and is not
-        // used again.
+        // SAFETY: `action` is not NULL, comes from erard_action_new or erard_action_of_instrument, has not been freed,
+        // and is not used again.
         quick(|| {
             drop(unsafe { Box::from_raw(action) });
             ErardStatus::Ok
@@ -100,8 +100,8 @@ unsafe fn read_into(play: &Play, reading: *mut ErardReading) {
 /// Takes one step under a checked input; returns its error otherwise.
 #[inline(always)]
 unsafe fn step(action: *mut ErardAction, input: Result<Input, ErardStatus>, reading: *mut ErardReading) -> ErardStatus {
-    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-    // call uses it meanwhile.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
+    // no other call uses it meanwhile.
     let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
     quick(|| {
         let status = input.map_or_else(|status| status, |input| action.play.step(input));
@@ -115,20 +115,20 @@ unsafe fn step(action: *mut ErardAction, input: Result<Input, ErardStatus>, read
 /// Checks a position and a velocity against the action's limits.
 #[inline(always)]
 pub(crate) fn moving(position_m: f64, velocity_m_per_s: f64) -> Result<[f64; 2], ErardStatus> {
-    Ok([within(position_m, ERARD_LARGEST_POSITION_M)?, within(velocity_m_per_s, ERARD_LARGEST_SPEED_M_PER_S)?])
+    Ok([within(position_m, ERARD_MAX_POSITION_M)?, within(velocity_m_per_s, ERARD_MAX_SPEED_M_PER_S)?])
 }
 
 /// Takes one step under a force on the key front, N, down positive (admittance: force in, position out). `reading` may
 /// be NULL. An error leaves the action as it was. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_step_force(
+pub unsafe extern "C" fn erard_action_step_force(
     action: *mut ErardAction,
     force_n: f64,
     reading: *mut ErardReading,
 ) -> ErardStatus {
     // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `reading` is NULL, or writable
     // memory for an ErardReading.
-    unsafe { step(action, within(force_n, ERARD_LARGEST_FORCE_N).map(Input::Force), reading) }
+    unsafe { step(action, within(force_n, ERARD_MAX_FORCE_N).map(Input::Force), reading) }
 }
 
 /// Takes one step under a device that is `position_m` below the key's rest and moves at `velocity_m_per_s`, down
@@ -136,7 +136,7 @@ pub unsafe extern "C" fn erard_step_force(
 /// fingertip of the instrument's file couples device and key: a spring and a damper that only push (virtual coupling).
 /// `reading` may be NULL. An error leaves the action as it was. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_step_motion(
+pub unsafe extern "C" fn erard_action_step_motion(
     action: *mut ErardAction,
     position_m: f64,
     velocity_m_per_s: f64,
@@ -158,7 +158,7 @@ pub unsafe extern "C" fn erard_step_motion(
 /// positive, at the end of the step. Use it for measured strokes, not in a loop with a device (README, "Closed loop").
 /// `reading` may be NULL. An error leaves the action as it was. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_step_rigid(
+pub unsafe extern "C" fn erard_action_step_rigid(
     action: *mut ErardAction,
     position_m: f64,
     velocity_m_per_s: f64,
@@ -175,7 +175,7 @@ pub unsafe extern "C" fn erard_step_rigid(
 /// Takes one step with nothing touching the key. `reading` may be NULL. An error leaves the action as it was. Real
 /// time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_step_free(action: *mut ErardAction, reading: *mut ErardReading) -> ErardStatus {
+pub unsafe extern "C" fn erard_action_step_free(action: *mut ErardAction, reading: *mut ErardReading) -> ErardStatus {
     // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `reading` is NULL, or writable
     // memory for an ErardReading.
     unsafe { step(action, Ok(Input::Free), reading) }
@@ -184,7 +184,7 @@ pub unsafe extern "C" fn erard_step_free(action: *mut ErardAction, reading: *mut
 /// Takes one step under an input of any kind, including a hand. `reading` may be NULL. An error leaves the action as it
 /// was. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_step_input(
+pub unsafe extern "C" fn erard_action_step_input(
     action: *mut ErardAction,
     input: *const ErardInput,
     reading: *mut ErardReading,
@@ -196,16 +196,17 @@ pub unsafe extern "C" fn erard_step_input(
     unsafe { step(action, input.checked(), reading) }
 }
 
-/// Places the hand (ERARD_HAND): `position_m` is m below the key front's rest, `velocity_m_per_s` m/s, down positive.
-/// In a new action the hand is at the key front's rest. Only steps with ERARD_HAND move it. Real time: yes.
+/// Places the hand (ERARD_INPUT_HAND): `position_m` is m below the key front's rest, `velocity_m_per_s` m/s, down
+/// positive. In a new action the hand is at the key front's rest. Only steps with ERARD_INPUT_HAND move it. Real time:
+/// yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_place_hand(
+pub unsafe extern "C" fn erard_action_place_hand(
     action: *mut ErardAction,
     position_m: f64,
     velocity_m_per_s: f64,
 ) -> ErardStatus {
-    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-    // call uses it meanwhile.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
+    // no other call uses it meanwhile.
     let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
     let [position_m, velocity_m_per_s] = match moving(position_m, velocity_m_per_s) {
         Ok(place) => place,
@@ -217,13 +218,13 @@ pub unsafe extern "C" fn erard_place_hand(
     })
 }
 
-/// Takes as many steps as fit into `dt_s` (s, 0 to ERARD_LONGEST_ADVANCE_S), for a device that is slower than the
+/// Takes as many steps as fit into `dt_s` (s, 0 to ERARD_MAX_ADVANCE_S), for a device that is slower than the
 /// steps. The remaining time is added to the next call, so periods of any length do not drift. The input is that at the
 /// beginning of `dt_s`: a force is held, a position continues at its velocity. Render finger_mean_n of the reading:
 /// held over `dt_s`, it has the same impulse as the steps. If a step fails, the action is left as it was before the
 /// call. Real time: yes; the call takes as long as its steps.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_advance(
+pub unsafe extern "C" fn erard_action_advance(
     action: *mut ErardAction,
     dt_s: f64,
     input: *const ErardInput,
@@ -246,7 +247,7 @@ pub unsafe extern "C" fn erard_advance(
 /// Writes the present reading of the action to `reading`; after a step, it is the reading that the step wrote. Real
 /// time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_read(action: *const ErardAction, reading: *mut ErardReading) -> ErardStatus {
+pub unsafe extern "C" fn erard_action_read(action: *const ErardAction, reading: *mut ErardReading) -> ErardStatus {
     // SAFETY: `action` is NULL, or an action that is not freed and that no call changes; `reading` is NULL, or writable
     // memory for an ErardReading.
     let (Some(action), false) = (unsafe { action.as_ref() }, reading.is_null()) else { return ErardStatus::Null };
@@ -256,9 +257,9 @@ pub unsafe extern "C" fn erard_read(action: *const ErardAction, reading: *mut Er
 
 /// Returns the action to its state when it was made: at rest, at 0 s, with no impact counted. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
-    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-    // call uses it meanwhile.
+pub unsafe extern "C" fn erard_action_reset(action: *mut ErardAction) -> ErardStatus {
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
+    // no other call uses it meanwhile.
     let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
     quick(|| action.play.reset())
 }
@@ -270,7 +271,11 @@ pub unsafe extern "C" fn erard_reset(action: *mut ErardAction) -> ErardStatus {
 /// earlier library skips the lists that a later one adds, and a later one does without those that an earlier one lacks.
 /// The bytes are the same on every machine. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, size: *mut usize) -> ErardStatus {
+pub unsafe extern "C" fn erard_action_save(
+    action: *const ErardAction,
+    bytes: *mut u8,
+    size: *mut usize,
+) -> ErardStatus {
     // SAFETY: `action` is NULL, or an action that is not freed and that no call changes; `size` is NULL, or a writable,
     // initialised size.
     let (Some(action), Some(size)) = (unsafe { action.as_ref() }, unsafe { size.as_mut() }) else {
@@ -295,9 +300,9 @@ pub unsafe extern "C" fn erard_save(action: *const ErardAction, bytes: *mut u8, 
 /// Sets the target lift of the sustain pedal's rail, m, 0 to 0.010; values outside are clamped. The rail moves there at
 /// no more than 0.5 m/s. Without modal strings or without a rail, the call does nothing. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) -> ErardStatus {
-    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-    // call uses it meanwhile.
+pub unsafe extern "C" fn erard_action_set_pedal(action: *mut ErardAction, lift_m: f64) -> ErardStatus {
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
+    // no other call uses it meanwhile.
     let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
     if !lift_m.is_finite() {
         return ErardStatus::NotFinite;
@@ -312,7 +317,7 @@ pub unsafe extern "C" fn erard_set_pedal(action: *mut ErardAction, lift_m: f64) 
 /// hammer pushes the strings; 0 without modal strings. `erard press --wav` writes this force less its value at rest as
 /// sound. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_bridge_force(action: *const ErardAction, force_n: *mut f64) -> ErardStatus {
+pub unsafe extern "C" fn erard_action_bridge_force(action: *const ErardAction, force_n: *mut f64) -> ErardStatus {
     // SAFETY: `action` is NULL, or an action that is not freed and that no call changes; `force_n` is NULL, or writable
     // memory for a number.
     let (Some(action), Some(force_n)) = (unsafe { action.as_ref() }, unsafe { force_n.as_mut() }) else {
@@ -324,13 +329,17 @@ pub unsafe extern "C" fn erard_bridge_force(action: *const ErardAction, force_n:
     })
 }
 
-/// Writes the positions at which erard_string_shape samples the middle string to `places_m` (which may be NULL), at
-/// most `count` of them: m from the striking point, positive away from the string's nearer end. Returns the number of
-/// positions; 0 without modal strings and for NULL. Real time: yes.
+/// Writes the positions at which erard_action_string_shape samples the middle string to `places_m` (which may be NULL),
+/// at most `count` of them: m from the striking point, positive away from the string's nearer end. Returns the number
+/// of positions; 0 without modal strings and for NULL. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_string_places(action: *const ErardAction, places_m: *mut f64, count: usize) -> usize {
-    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-    // call changes it meanwhile.
+pub unsafe extern "C" fn erard_action_string_places(
+    action: *const ErardAction,
+    places_m: *mut f64,
+    count: usize,
+) -> usize {
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
+    // no other call changes it meanwhile.
     let Some((places, _)) = (unsafe { action.as_ref() }).and_then(|action| action.string.as_ref()) else { return 0 };
     if !places_m.is_null() {
         let many = count.min(places.len());
@@ -340,17 +349,17 @@ pub unsafe extern "C" fn erard_string_places(action: *const ErardAction, places_
     places.len()
 }
 
-/// Writes the displacement of the middle string from its rest at each position of erard_string_places, m, positive away
-/// from the hammer. `count` is the room in `shape_m`, at least the number of positions, else the call returns
-/// ERARD_STATUS_SIZE. Without modal strings, the call writes nothing. Real time: yes.
+/// Writes the displacement of the middle string from its rest at each position of erard_action_string_places, m,
+/// positive away from the hammer. `count` is the room in `shape_m`, at least the number of positions, else the call
+/// returns ERARD_STATUS_SIZE. Without modal strings, the call writes nothing. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_string_shape(
+pub unsafe extern "C" fn erard_action_string_shape(
     action: *const ErardAction,
     shape_m: *mut f32,
     count: usize,
 ) -> ErardStatus {
-    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-    // call changes it meanwhile.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
+    // no other call changes it meanwhile.
     let (Some(action), false) = (unsafe { action.as_ref() }, shape_m.is_null()) else { return ErardStatus::Null };
     let Some((places, seen)) = &action.string else { return ErardStatus::Ok };
     if count < places.len() {
@@ -372,7 +381,7 @@ pub unsafe extern "C" fn erard_string_shape(
 /// error (ERARD_STATUS_SAVED, ERARD_STATUS_FOREIGN or ERARD_STATUS_NOT_FINITE) leaves the action as it was. Real time:
 /// yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_restore(action: *mut ErardAction, bytes: *const u8, size: usize) -> ErardStatus {
+pub unsafe extern "C" fn erard_action_restore(action: *mut ErardAction, bytes: *const u8, size: usize) -> ErardStatus {
     // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `bytes` is NULL, or `size`
     // readable bytes.
     let (Some(action), false) = (unsafe { action.as_mut() }, bytes.is_null()) else { return ErardStatus::Null };
@@ -384,35 +393,35 @@ pub unsafe extern "C" fn erard_restore(action: *mut ErardAction, bytes: *const u
 
 /// Returns the number of bodies of an action; 0 for NULL. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_body_count(action: *const ErardAction) -> usize {
-    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-    // call changes it meanwhile.
+pub unsafe extern "C" fn erard_action_body_count(action: *const ErardAction) -> usize {
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
+    // no other call changes it meanwhile.
     unsafe { action.as_ref() }.map_or(0, |action| action.bodies.len())
 }
 
 /// Returns the number of contact zones of an action; 0 for NULL. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_zone_count(action: *const ErardAction) -> usize {
-    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-    // call changes it meanwhile.
+pub unsafe extern "C" fn erard_action_zone_count(action: *const ErardAction) -> usize {
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
+    // no other call changes it meanwhile.
     unsafe { action.as_ref() }.map_or(0, |action| action.zones.len())
 }
 
 /// Returns the name of a body as the instrument file gives it; `body` counts from 0. Returns NULL if there is no such
 /// body. The text belongs to the action and is valid as long as the action. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_body_name(action: *const ErardAction, body: usize) -> *const c_char {
-    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-    // call changes it meanwhile.
+pub unsafe extern "C" fn erard_action_body_name(action: *const ErardAction, body: usize) -> *const c_char {
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
+    // no other call changes it meanwhile.
     let action = unsafe { action.as_ref() };
     action.and_then(|action| action.bodies.get(body)).map_or(core::ptr::null(), |name| name.as_ptr())
 }
 
-/// Returns the name of a contact zone; `zone` counts from 0. Otherwise as erard_body_name. Real time: yes.
+/// Returns the name of a contact zone; `zone` counts from 0. Otherwise as erard_action_body_name. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_zone_name(action: *const ErardAction, zone: usize) -> *const c_char {
-    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-    // call changes it meanwhile.
+pub unsafe extern "C" fn erard_action_zone_name(action: *const ErardAction, zone: usize) -> *const c_char {
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
+    // no other call changes it meanwhile.
     let action = unsafe { action.as_ref() };
     action.and_then(|action| action.zones.get(zone)).map_or(core::ptr::null(), |name| name.as_ptr())
 }
@@ -424,8 +433,8 @@ unsafe fn fill(
     wanted: impl Fn(&ErardAction) -> usize,
     write: impl Fn(&ErardAction, &mut [f64]),
 ) -> ErardStatus {
-    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-    // call changes it meanwhile.
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
+    // no other call changes it meanwhile.
     let (Some(action), false) = (unsafe { action.as_ref() }, out.is_null()) else { return ErardStatus::Null };
     let wanted = wanted(action);
     if count < wanted {
@@ -441,10 +450,14 @@ unsafe fn fill(
 }
 
 /// Writes the absolute angles of all bodies, rad, to `angles_rad`: positive counter-clockwise, seen with the player on
-/// the left. `count` is the room in `angles_rad`, at least erard_body_count, else the call returns ERARD_STATUS_SIZE.
-/// Real time: yes.
+/// the left. `count` is the room in `angles_rad`, at least erard_action_body_count, else the call returns
+/// ERARD_STATUS_SIZE. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_angles(action: *const ErardAction, angles_rad: *mut f64, count: usize) -> ErardStatus {
+pub unsafe extern "C" fn erard_action_angles(
+    action: *const ErardAction,
+    angles_rad: *mut f64,
+    count: usize,
+) -> ErardStatus {
     let write = |action: &ErardAction, out: &mut [f64]| {
         out.iter_mut().zip(action.play.action.angles()).for_each(|(place, angle)| *place = *angle);
     };
@@ -454,9 +467,9 @@ pub unsafe extern "C" fn erard_angles(action: *const ErardAction, angles_rad: *m
 }
 
 /// Writes the absolute angular velocities of all bodies, rad/s, to `velocities_rad_s`. Sign and `count` are as for
-/// erard_angles. Real time: yes.
+/// erard_action_angles. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_velocities(
+pub unsafe extern "C" fn erard_action_velocities(
     action: *const ErardAction,
     velocities_rad_s: *mut f64,
     count: usize,
@@ -470,10 +483,10 @@ pub unsafe extern "C" fn erard_velocities(
 }
 
 /// Writes the normal forces of all contact zones in the last step, N, never negative, to `forces_n`. `count` is the
-/// room in `forces_n`, at least erard_zone_count, else the call returns ERARD_STATUS_SIZE. After a restore or a reset
-/// the forces are 0 until the next step. Real time: yes.
+/// room in `forces_n`, at least erard_action_zone_count, else the call returns ERARD_STATUS_SIZE. After a restore or a
+/// reset the forces are 0 until the next step. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_contact_forces(
+pub unsafe extern "C" fn erard_action_contact_forces(
     action: *const ErardAction,
     forces_n: *mut f64,
     count: usize,

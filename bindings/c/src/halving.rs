@@ -8,42 +8,43 @@ use crate::status::{ErardStatus, Fault, tell};
 
 /// Steps are halved as often as the strings need while a hammer is near them; the default. Impacts are converged. The
 /// step in which ten impacts coincide in the top octave takes fifteen times as long.
-pub const ERARD_HALVE_AS_ASKED: u32 = 0;
+pub const ERARD_HALVING_AUTO: u32 = 0;
 /// Steps are never halved, so all take about the same time. The accuracy of impacts then depends on the step length: at
 /// 1/24000 s the contact of the top octave lasts a sixth too long.
-pub const ERARD_HALVE_NEVER: u32 = 1;
+pub const ERARD_HALVING_NEVER: u32 = 1;
 
 fn halving(kind: u32) -> Result<Halving, Fault> {
     match kind {
-        ERARD_HALVE_AS_ASKED => Ok(Halving::AsAsked),
-        ERARD_HALVE_NEVER => Ok(Halving::Never),
+        ERARD_HALVING_AUTO => Ok(Halving::AsAsked),
+        ERARD_HALVING_NEVER => Ok(Halving::Never),
         _ => Err(Fault::new(
             ErardStatus::Argument,
             format!(
-                "there is no way {kind} to halve steps; expected ERARD_HALVE_AS_ASKED (0) or ERARD_HALVE_NEVER (1)"
+                "there is no way {kind} to halve steps; expected ERARD_HALVING_AUTO (0) or ERARD_HALVING_NEVER (1)"
             ),
         )),
     }
 }
 
 /// Chooses whether an action's steps are halved while its hammer is near modal strings, from the next step on:
-/// ERARD_HALVE_AS_ASKED (the default) or ERARD_HALVE_NEVER, else the call returns ERARD_STATUS_ARGUMENT. Saved states
+/// ERARD_HALVING_AUTO (the default) or ERARD_HALVING_NEVER, else the call returns ERARD_STATUS_ARGUMENT. Saved states
 /// do not contain this choice: set it again after making an action. Without modal strings it changes nothing. Real
 /// time: no (it may allocate); call it before the loop.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_halve(action: *mut ErardAction, kind: u32) -> ErardStatus {
+pub unsafe extern "C" fn erard_action_set_halving(action: *mut ErardAction, kind: u32) -> ErardStatus {
     tell(|| {
-        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-        // call uses it meanwhile.
+        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed,
+        // and no other call uses it meanwhile.
         let action = unsafe { action.as_mut() }.ok_or_else(|| Fault::null("the action"))?;
         action.play.action.halve(halving(kind)?);
         Ok(())
     })
 }
 
-/// Chooses the halving of steps for all keys of a keyboard, as erard_halve does, and wakes all keys. Real time: no.
+/// Chooses the halving of steps for all keys of a keyboard, as erard_action_set_halving does, and wakes all keys. Real
+/// time: no.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_keyboard_halve(keyboard: *mut ErardKeyboard, kind: u32) -> ErardStatus {
+pub unsafe extern "C" fn erard_keyboard_set_halving(keyboard: *mut ErardKeyboard, kind: u32) -> ErardStatus {
     tell(|| {
         // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed,
         // and no other call uses it meanwhile.

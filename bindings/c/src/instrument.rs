@@ -70,7 +70,7 @@ pub(crate) fn boxed(file: InstrumentFile, text: String) -> *mut ErardInstrument 
 
 /// Reads an instrument from the text of its file (UTF-8, `length` bytes). NULL and 0 give the built-in concert grand.
 /// Returns NULL on failure: `status` (which may be NULL) receives the reason, and erard_last_error describes it;
-/// erard_check reports the error as JSON. Real time: no, like all functions of instruments.
+/// erard_file_check reports the error as JSON. Real time: no, like all functions of instruments.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_new(
     text: *const c_char,
@@ -84,8 +84,8 @@ pub unsafe extern "C" fn erard_instrument_new(
     })
 }
 
-/// Reads a built-in instrument by its name, e.g. "heavy-touch"; erard_builtin lists the names. Returns NULL on failure,
-/// with ERARD_STATUS_NO_SUCH for an unknown name.
+/// Reads a built-in instrument by its name, e.g. "heavy-touch"; erard_builtin_names lists the names. Returns NULL on
+/// failure, with ERARD_STATUS_NO_SUCH for an unknown name.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_builtin(
     called: *const c_char,
@@ -107,8 +107,8 @@ pub extern "C" fn erard_instrument_of_key(key: u32, status: *mut ErardStatus) ->
 }
 
 /// Reads the instrument of a key, 1 to 88, of a built-in keyboard by the keyboard's name, e.g. "concert-grand-strings";
-/// erard_builtin lists the names. Returns NULL on failure, with ERARD_STATUS_NO_SUCH if there is no such keyboard or
-/// key.
+/// erard_builtin_names lists the names. Returns NULL on failure, with ERARD_STATUS_NO_SUCH if there is no such keyboard
+/// or key.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_of_keyboard(
     called: *const c_char,
@@ -283,7 +283,7 @@ fn described(file: &InstrumentFile) -> Value {
 /// error. Text that is not UTF-8 is reported as an error, too. Returns NULL on failure, such as a NULL text. Free the
 /// JSON with erard_text_free.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_check(
+pub unsafe extern "C" fn erard_file_check(
     text: *const c_char,
     length: usize,
     json_length: *mut usize,
@@ -314,7 +314,7 @@ pub unsafe extern "C" fn erard_check(
 /// Returns the names of the built-in instruments and keyboards as JSON: {"instruments": [...], "keyboards": [...]}.
 /// Free the text with erard_text_free.
 #[unsafe(no_mangle)]
-pub extern "C" fn erard_builtin(length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
+pub extern "C" fn erard_builtin_names(length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
     told(null_mut(), status, || {
         let (instruments, keyboards): (Vec<_>, Vec<_>) =
             (Instrument::builtin_names().collect(), Keyboard::builtin_names().collect());

@@ -30,14 +30,14 @@ pub struct ErardKeyboard {
 }
 
 /// Largest number of steps that one call of erard_keyboard_step accepts.
-pub const ERARD_MOST_STEPS: u32 = 1000000;
+pub const ERARD_MAX_STEPS: u32 = 1000000;
 
 pub(crate) const MARK: [u8; 8] = *b"erardkbd";
 
 /// Makes 88 keys at rest from the text of a keyboard file (UTF-8, `length` bytes) whose base instrument is built in.
 /// NULL and 0 give the built-in concert grand. `step_s` is the step length, s, as for erard_action_new. Each key keeps
-/// its input until you change it; at first it is ERARD_FREE. Returns NULL on failure: `status` (which may be NULL)
-/// receives the reason, and erard_last_error describes it. Real time: no (it takes about half a second).
+/// its input until you change it; at first it is ERARD_INPUT_FREE. Returns NULL on failure: `status` (which may be
+/// NULL) receives the reason, and erard_last_error describes it. Real time: no (it takes about half a second).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_new(
     text: *const c_char,
@@ -187,7 +187,7 @@ pub unsafe extern "C" fn erard_keyboard_free(keyboard: *mut ErardKeyboard) {
 
 /// Returns the number of keys; 0 for NULL. Keys count from 1, the lowest A. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_keyboard_keys(keyboard: *const ErardKeyboard) -> u32 {
+pub unsafe extern "C" fn erard_keyboard_key_count(keyboard: *const ErardKeyboard) -> u32 {
     // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed, and
     // no other call changes it meanwhile.
     unsafe { keyboard.as_ref() }.map_or(0, |keyboard| keyboard.keys.count() as u32)
@@ -195,15 +195,15 @@ pub unsafe extern "C" fn erard_keyboard_keys(keyboard: *const ErardKeyboard) -> 
 
 /// Returns the number of keys that are awake, which are those that take computing time; 0 for NULL. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_keyboard_awake(keyboard: *const ErardKeyboard) -> u32 {
+pub unsafe extern "C" fn erard_keyboard_awake_count(keyboard: *const ErardKeyboard) -> u32 {
     // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed, and
     // no other call changes it meanwhile.
     unsafe { keyboard.as_ref() }.map_or(0, |keyboard| keyboard.keys.awake() as u32)
 }
 
-/// Sets the input of a key from the next step on; `key` counts from 1. The position of ERARD_MOTION stays constant,
-/// whatever its velocity: set the input again whenever the position changes. Returns ERARD_STATUS_NO_SUCH if there is
-/// no such key. Real time: yes.
+/// Sets the input of a key from the next step on; `key` counts from 1. The position of ERARD_INPUT_MOTION stays
+/// constant, whatever its velocity: set the input again whenever the position changes. Returns ERARD_STATUS_NO_SUCH if
+/// there is no such key. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_drive(
     keyboard: *mut ErardKeyboard,
@@ -218,7 +218,7 @@ pub unsafe extern "C" fn erard_keyboard_drive(
     quick(|| keyboard.drive(key as usize, input))
 }
 
-/// Places the hand (ERARD_HAND) on a key, as erard_place_hand does; `key` counts from 1. Real time: yes.
+/// Places the hand (ERARD_INPUT_HAND) on a key, as erard_action_place_hand does; `key` counts from 1. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_place_hand(
     keyboard: *mut ErardKeyboard,
@@ -242,8 +242,8 @@ pub unsafe extern "C" fn erard_keyboard_place_hand(
     })
 }
 
-/// Sets the target lift of the sustain pedal's rail, m, under all keys that have one, as erard_set_pedal does. Real
-/// time: yes.
+/// Sets the target lift of the sustain pedal's rail, m, under all keys that have one, as erard_action_set_pedal does.
+/// Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_set_pedal(keyboard: *mut ErardKeyboard, lift_m: f64) -> ErardStatus {
     // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed, and
@@ -258,8 +258,8 @@ pub unsafe extern "C" fn erard_keyboard_set_pedal(keyboard: *mut ErardKeyboard, 
     })
 }
 
-/// Writes the present force of a key's strings on the bridge, N, to `force_n`, as erard_bridge_force does; `key` counts
-/// from 1. Real time: yes.
+/// Writes the present force of a key's strings on the bridge, N, to `force_n`, as erard_action_bridge_force does; `key`
+/// counts from 1. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_bridge_force(
     keyboard: *const ErardKeyboard,
@@ -283,7 +283,10 @@ pub unsafe extern "C" fn erard_keyboard_bridge_force(
 /// Writes the present force of all keys' strings on the bridge, N, to `force_n`, including the load of the dampers at
 /// rest; 0 without modal strings. Real time: yes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_keyboard_bridge_sum(keyboard: *const ErardKeyboard, force_n: *mut f64) -> ErardStatus {
+pub unsafe extern "C" fn erard_keyboard_total_bridge_force(
+    keyboard: *const ErardKeyboard,
+    force_n: *mut f64,
+) -> ErardStatus {
     // SAFETY: `keyboard` is NULL, or a keyboard that is not freed and that no call changes; `force_n` is NULL, or
     // writable memory for a number.
     let (Some(keyboard), Some(force_n)) = (unsafe { keyboard.as_ref() }, unsafe { force_n.as_mut() }) else {
@@ -295,7 +298,7 @@ pub unsafe extern "C" fn erard_keyboard_bridge_sum(keyboard: *const ErardKeyboar
     })
 }
 
-/// Takes `steps` steps (1 to ERARD_MOST_STEPS) of all keys that are awake. Writes the impacts in the order of the steps
+/// Takes `steps` steps (1 to ERARD_MAX_STEPS) of all keys that are awake. Writes the impacts in the order of the steps
 /// to `impacts`, at most `capacity` of them. `count` (which may be NULL) receives the number of impacts; those beyond
 /// `capacity` are lost. If a key's numbers become infinite, that key stays as it was, the other keys continue, and the
 /// call returns ERARD_STATUS_NOT_FINITE. Real time: yes.
@@ -310,7 +313,7 @@ pub unsafe extern "C" fn erard_keyboard_step(
     // SAFETY: `keyboard` is NULL, or comes from erard_keyboard_new or erard_keyboard_builtin, has not been freed, and
     // no other call uses it meanwhile.
     let Some(keyboard) = (unsafe { keyboard.as_mut() }) else { return ErardStatus::Null };
-    if steps == 0 || steps > ERARD_MOST_STEPS {
+    if steps == 0 || steps > ERARD_MAX_STEPS {
         return ErardStatus::Range;
     }
     if impacts.is_null() && capacity > 0 {
@@ -364,7 +367,7 @@ pub unsafe extern "C" fn erard_keyboard_read(
 }
 
 /// Writes the absolute angles of a key's bodies, rad, to `angles_rad`, in the order of the bodies in its instrument, as
-/// erard_angles does for one action. `key` counts from 1; `count` is the room in `angles_rad`. Real time: yes.
+/// erard_action_angles does for one action. `key` counts from 1; `count` is the room in `angles_rad`. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_angles(
     keyboard: *const ErardKeyboard,
@@ -392,8 +395,8 @@ pub unsafe extern "C" fn erard_keyboard_angles(
     })
 }
 
-/// Writes the keyboard's complete state, including inputs and time, to `bytes`, as erard_save does (about 220 kB). Real
-/// time: yes.
+/// Writes the keyboard's complete state, including inputs and time, to `bytes`, as erard_action_save does (about 220
+/// kB). Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_save(
     keyboard: *const ErardKeyboard,

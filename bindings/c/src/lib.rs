@@ -9,6 +9,7 @@ mod action;
 #[cfg(feature = "workshop")]
 mod dials;
 // A simulator loads a unit as a library of its own platform.
+mod event_detector;
 #[cfg(all(feature = "workshop", not(target_family = "wasm")))]
 mod fmi;
 mod halving;
@@ -20,11 +21,11 @@ mod status;
 mod stroke;
 mod text;
 mod version;
-mod watch;
 #[cfg(feature = "workshop")]
 mod workshop;
 
 pub use action::*;
+pub use event_detector::*;
 pub use halving::*;
 pub use instrument::*;
 pub use keyboard::*;
@@ -33,6 +34,5 @@ pub use status::{ErardStatus, erard_last_error, erard_status_text};
 pub use stroke::*;
 pub use text::{erard_memory_free, erard_memory_new, erard_text_free};
 pub use version::{erard_abi, erard_version};
-pub use watch::*;
 #[cfg(feature = "workshop")]
 pub use workshop::*;

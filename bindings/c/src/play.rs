@@ -5,7 +5,7 @@ use erard::player::{MechanismState, SNAPSHOT_MARK};
 use erard::saved::{Lists, Writer};
 use erard::{Action, Input, Outcome, Settings, SnapshotError};
 
-use crate::reading::{ERARD_LONGEST_ADVANCE_S, ErardInput, ErardReading};
+use crate::reading::{ERARD_MAX_ADVANCE_S, ErardInput, ErardReading};
 use crate::status::ErardStatus;
 
 /// Share of a step that may be missing from a time that still counts as whole.
@@ -78,7 +78,7 @@ impl Play {
         if !dt_s.is_finite() {
             return ErardStatus::NotFinite;
         }
-        if !(0.0..=ERARD_LONGEST_ADVANCE_S).contains(&dt_s) {
+        if !(0.0..=ERARD_MAX_ADVANCE_S).contains(&dt_s) {
             return ErardStatus::Range;
         }
         let first = match input.checked() {

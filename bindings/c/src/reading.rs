@@ -10,45 +10,45 @@ use crate::status::ErardStatus;
 pub const ERARD_ABI: u32 = 1;
 
 /// Largest force that an action accepts, N, up or down: a hundred times a fortissimo.
-pub const ERARD_LARGEST_FORCE_N: f64 = 10000.0;
+pub const ERARD_MAX_FORCE_N: f64 = 10000.0;
 /// Largest distance from rest that an action accepts, m, up or down: ten times a key's dip.
-pub const ERARD_LARGEST_POSITION_M: f64 = 0.1;
+pub const ERARD_MAX_POSITION_M: f64 = 0.1;
 /// Largest speed that an action accepts, m/s, up or down.
-pub const ERARD_LARGEST_SPEED_M_PER_S: f64 = 100.0;
+pub const ERARD_MAX_SPEED_M_PER_S: f64 = 100.0;
 // The ranges of every front.
-const _: () = assert!(ERARD_LARGEST_FORCE_N == erard::player::LARGEST_FORCE_N);
-const _: () = assert!(ERARD_LARGEST_POSITION_M == erard::player::LARGEST_POSITION_M);
-const _: () = assert!(ERARD_LARGEST_SPEED_M_PER_S == erard::player::LARGEST_SPEED_M_PER_S);
-/// Longest time that one call of erard_advance accepts, s.
-pub const ERARD_LONGEST_ADVANCE_S: f64 = 1.0;
+const _: () = assert!(ERARD_MAX_FORCE_N == erard::player::LARGEST_FORCE_N);
+const _: () = assert!(ERARD_MAX_POSITION_M == erard::player::LARGEST_POSITION_M);
+const _: () = assert!(ERARD_MAX_SPEED_M_PER_S == erard::player::LARGEST_SPEED_M_PER_S);
+/// Longest time that one call of erard_action_advance accepts, s.
+pub const ERARD_MAX_ADVANCE_S: f64 = 1.0;
 
 /// ErardInput.kind: nothing touches the key.
-pub const ERARD_FREE: u32 = 0;
+pub const ERARD_INPUT_FREE: u32 = 0;
 /// ErardInput.kind: a force on the key front (admittance).
-pub const ERARD_FORCE: u32 = 1;
+pub const ERARD_INPUT_FORCE: u32 = 1;
 /// ErardInput.kind: prescribed position and velocity of the fingertip's driven end (impedance). The fingertip is soft
 /// and can only push.
-pub const ERARD_MOTION: u32 = 2;
+pub const ERARD_INPUT_MOTION: u32 = 2;
 /// ErardInput.kind: prescribed position and velocity of the key front itself. Do not use it in a loop with a device:
 /// see "Closed loop" in the README.
-pub const ERARD_RIGID: u32 = 3;
+pub const ERARD_INPUT_RIGID: u32 = 3;
 /// ErardInput.kind: a hand, which is a mass moved by a muscle, behind a soft fingertip. The hand's position and
-/// velocity are part of the action's state; erard_place_hand sets them.
-pub const ERARD_HAND: u32 = 4;
+/// velocity are part of the action's state; erard_action_place_hand sets them.
+pub const ERARD_INPUT_HAND: u32 = 4;
 
 /// Input of a key. Fields that the kind does not use are ignored.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ErardInput {
-    /// ERARD_FREE, ERARD_FORCE, ERARD_MOTION, ERARD_RIGID or ERARD_HAND.
+    /// ERARD_INPUT_FREE, ERARD_INPUT_FORCE, ERARD_INPUT_MOTION, ERARD_INPUT_RIGID or ERARD_INPUT_HAND.
     pub kind: u32,
     /// 0.
     pub reserved: u32,
-    /// Force on the key front, N, down positive. With ERARD_HAND: force of the muscle on the hand.
+    /// Force on the key front, N, down positive. With ERARD_INPUT_HAND: force of the muscle on the hand.
     pub force_n: f64,
-    /// Position, m below the key front's rest. With ERARD_HAND: the position at which the muscle holds the hand.
+    /// Position, m below the key front's rest. With ERARD_INPUT_HAND: the position at which the muscle holds the hand.
     pub position_m: f64,
-    /// Velocity, m/s, down positive. With ERARD_HAND: the velocity toward which the muscle damps the hand.
+    /// Velocity, m/s, down positive. With ERARD_INPUT_HAND: the velocity toward which the muscle damps the hand.
     pub velocity_m_per_s: f64,
     /// Effective mass of the hand at the fingertip, kg, 0.001 to 100.
     pub hand_mass_kg: f64,
@@ -63,18 +63,18 @@ impl ErardInput {
     pub(crate) fn checked(&self) -> Result<Input, ErardStatus> {
         let Self { kind, force_n, position_m, velocity_m_per_s, .. } = *self;
         match kind {
-            ERARD_FREE => Ok(Input::Free),
-            ERARD_FORCE => Ok(Input::Force(within(force_n, ERARD_LARGEST_FORCE_N)?)),
-            ERARD_MOTION | ERARD_RIGID => {
-                let position_m = within(position_m, ERARD_LARGEST_POSITION_M)?;
-                let velocity_m_per_s = within(velocity_m_per_s, ERARD_LARGEST_SPEED_M_PER_S)?;
-                Ok(if kind == ERARD_MOTION {
+            ERARD_INPUT_FREE => Ok(Input::Free),
+            ERARD_INPUT_FORCE => Ok(Input::Force(within(force_n, ERARD_MAX_FORCE_N)?)),
+            ERARD_INPUT_MOTION | ERARD_INPUT_RIGID => {
+                let position_m = within(position_m, ERARD_MAX_POSITION_M)?;
+                let velocity_m_per_s = within(velocity_m_per_s, ERARD_MAX_SPEED_M_PER_S)?;
+                Ok(if kind == ERARD_INPUT_MOTION {
                     Input::Motion { position_m, velocity_m_per_s }
                 } else {
                     Input::Rigid { position_m, velocity_m_per_s }
                 })
             }
-            ERARD_HAND => {
+            ERARD_INPUT_HAND => {
                 let hand = Hand {
                     mass_kg: self.hand_mass_kg,
                     stiffness_n_per_m: self.muscle_n_per_m,
@@ -88,11 +88,11 @@ impl ErardInput {
                 hand.check().map_err(|_| ErardStatus::Range)?;
                 Ok(Input::Hand(HandInput {
                     mass_kg: hand.mass_kg,
-                    force_n: within(force_n, ERARD_LARGEST_FORCE_N)?,
+                    force_n: within(force_n, ERARD_MAX_FORCE_N)?,
                     stiffness_n_per_m: hand.stiffness_n_per_m,
                     damping_n_s_per_m: hand.damping_n_s_per_m,
-                    position_m: within(position_m, ERARD_LARGEST_POSITION_M)?,
-                    velocity_m_per_s: within(velocity_m_per_s, ERARD_LARGEST_SPEED_M_PER_S)?,
+                    position_m: within(position_m, ERARD_MAX_POSITION_M)?,
+                    velocity_m_per_s: within(velocity_m_per_s, ERARD_MAX_SPEED_M_PER_S)?,
                 }))
             }
             _ => Err(ErardStatus::Argument),

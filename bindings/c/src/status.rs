@@ -21,12 +21,12 @@ pub enum ErardStatus {
     Argument = -2,
     /// A number is not finite, or became so during the step.
     NotFinite = -3,
-    /// A number is out of range: a force, position or speed beyond ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M or
-    /// ERARD_LARGEST_SPEED_M_PER_S, a step length, a time or a number of steps.
+    /// A number is out of range: a force, position or speed beyond ERARD_MAX_FORCE_N, ERARD_MAX_POSITION_M or
+    /// ERARD_MAX_SPEED_M_PER_S, a step length, a time or a number of steps.
     Range = -4,
     /// No key, body, zone, screw, parameter or built-in has this name or number.
     NoSuch = -5,
-    /// The caller's memory is too small. erard_save and erard_keyboard_save write the size that is needed.
+    /// The caller's memory is too small. erard_action_save and erard_keyboard_save write the size that is needed.
     Size = -6,
     /// The bytes are damaged, or not a saved state of this version.
     Saved = -7,

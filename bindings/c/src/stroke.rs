@@ -12,9 +12,7 @@ use serde_json::{Value, json};
 
 use crate::action::ErardAction;
 use crate::instrument::{ErardInstrument, given};
-use crate::reading::{
-    ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_PER_S, ErardReading, within,
-};
+use crate::reading::{ERARD_MAX_FORCE_N, ERARD_MAX_POSITION_M, ERARD_MAX_SPEED_M_PER_S, ErardReading, within};
 use crate::status::{ErardStatus, Fault, ended, tell, told};
 use crate::text::{bytes, give, name};
 
@@ -74,8 +72,8 @@ pub unsafe extern "C" fn erard_stroke_builtin(
 /// Makes a stroke for an instrument from a recording, the text of a CSV file (UTF-8, `length` bytes) with a column for
 /// the time and one for force or position. Its force drives the key if there is one, else its position. The recording
 /// is prepared as `erard press` does without options: the rest before the touch gives the zero, and each channel is
-/// filtered by its own noise; erard_stroke_told lists the changes. Returns NULL on failure; erard_last_error says what
-/// is wrong, with line and column. Real time: no.
+/// filtered by its own noise; erard_stroke_remarks lists the changes. Returns NULL on failure; erard_last_error says
+/// what is wrong, with line and column. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_new(
     instrument: *const ErardInstrument,
@@ -103,7 +101,7 @@ pub unsafe extern "C" fn erard_stroke_new(
 /// Returns the changes and remarks from preparing a recorded stroke, one in each line; empty for a built-in stroke.
 /// Free the text with erard_text_free.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_stroke_told(
+pub unsafe extern "C" fn erard_stroke_remarks(
     stroke: *const ErardStroke,
     length: *mut usize,
     status: *mut ErardStatus,
@@ -171,15 +169,15 @@ pub unsafe extern "C" fn erard_stroke_rewind(stroke: *mut ErardStroke) -> ErardS
 /// Takes one step of an action under the stroke's next input. From an action at rest, the results have the same bits as
 /// `erard press`. `reading` may be NULL. An error leaves action and stroke as they were. Real time: no.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_step_stroke(
+pub unsafe extern "C" fn erard_action_step_stroke(
     action: *mut ErardAction,
     stroke: *mut ErardStroke,
     reading: *mut ErardReading,
 ) -> ErardStatus {
     let mut ended = ErardStatus::Ok;
     let failed = tell(|| {
-        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-        // call uses it meanwhile.
+        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed,
+        // and no other call uses it meanwhile.
         let action = unsafe { action.as_mut() }.ok_or_else(|| Fault::null("the action"))?;
         // SAFETY: `stroke` is NULL, or comes from erard_stroke_new or erard_stroke_builtin, has not been freed, and no
         // other call uses it meanwhile.
@@ -217,10 +215,10 @@ pub unsafe extern "C" fn erard_step_stroke(
 /// Checks a recording's input against the limits of every other input.
 fn allowed(input: &Input) -> Result<(), ErardStatus> {
     match *input {
-        Input::Force(force_n) => within(force_n, ERARD_LARGEST_FORCE_N).map(|_| ()),
+        Input::Force(force_n) => within(force_n, ERARD_MAX_FORCE_N).map(|_| ()),
         Input::Motion { position_m, velocity_m_per_s } | Input::Rigid { position_m, velocity_m_per_s } => {
-            within(position_m, ERARD_LARGEST_POSITION_M)?;
-            within(velocity_m_per_s, ERARD_LARGEST_SPEED_M_PER_S).map(|_| ())
+            within(position_m, ERARD_MAX_POSITION_M)?;
+            within(velocity_m_per_s, ERARD_MAX_SPEED_M_PER_S).map(|_| ())
         }
         _ => Ok(()),
     }

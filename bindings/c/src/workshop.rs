@@ -68,11 +68,11 @@ fn change_fault(error: &ChangeError) -> Fault {
 }
 
 /// Returns a drawing of the instrument in one pose as SVG, as the command draws it. `angles_rad` holds `count` absolute
-/// angles of its bodies, rad, as erard_angles writes them; NULL and 0 draw the pose of its file. `size_px` is the
-/// longer side, 16 to 16384 px. `labels` is 1 to name the parts. Elements of a moving part have the attribute
+/// angles of its bodies, rad, as erard_action_angles writes them; NULL and 0 draw the pose of its file. `size_px` is
+/// the longer side, 16 to 16384 px. `labels` is 1 to name the parts. Elements of a moving part have the attribute
 /// `data-body`, the body's number. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_draw(
+pub unsafe extern "C" fn erard_instrument_draw(
     instrument: *const ErardInstrument,
     angles_rad: *const f64,
     count: usize,
@@ -114,7 +114,7 @@ pub unsafe extern "C" fn erard_draw(
 /// NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown line or key and ERARD_STATUS_ARGUMENT for a key other than
 /// the instrument's own. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_measure(
+pub unsafe extern "C" fn erard_instrument_measure(
     instrument: *const ErardInstrument,
     key: u32,
     wanted: *const c_char,
@@ -190,7 +190,7 @@ fn not_measured(error: &MeasureError) -> Fault {
 /// in mm/s, the damper in %) or texts with units: {"let-off": 1.5, "blow": "1.8in"}. `progress` may be NULL. Takes
 /// seconds. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_regulate(
+pub unsafe extern "C" fn erard_instrument_regulate(
     instrument: *const ErardInstrument,
     goals: *const c_char,
     progress: ErardProgress,
@@ -248,7 +248,7 @@ fn asked(goals: &str) -> Result<Specification, Fault> {
 /// is one), "string" (its striking point and height; null for a rigid string), "labels", "views" and the scale of the
 /// arrows follow. Lengths are mm of the picture. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_scene(
+pub unsafe extern "C" fn erard_instrument_drawing_json(
     instrument: *const ErardInstrument,
     length: *mut usize,
     status: *mut ErardStatus,
@@ -262,10 +262,10 @@ pub unsafe extern "C" fn erard_scene(
 }
 
 /// Returns the lines of the protocol sheet as JSON: groups of "heading" and "lines". Each line has "key" (its name in
-/// erard_measure), "label", "unit", "decimals", and its norm at a piano key, 1 to 88: "usual" ([low, high]; null where
-/// open) and "source". Returns NULL if there is no such piano key. Free the text with erard_text_free.
+/// erard_instrument_measure), "label", "unit", "decimals", and its norm at a piano key, 1 to 88: "usual" ([low, high];
+/// null where open) and "source". Returns NULL if there is no such piano key. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
-pub extern "C" fn erard_sheet(key: u32, length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
+pub extern "C" fn erard_sheet_lines(key: u32, length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
     told(null_mut(), status, || {
         let key = known_key(key)?;
         let groups = GROUPS.iter().map(|group| {
@@ -288,7 +288,7 @@ pub extern "C" fn erard_sheet(key: u32, length: *mut usize, status: *mut ErardSt
 /// Diagnoses a key of a real piano from its measured readings and returns JSON, as `erard diagnose` writes it to
 /// diagnosis.json: readings, causes, remedies and what to measure next. `readings` is a JSON object: "key" (1 to 88, or
 /// a note; without it C4 is assumed and "is_key_assumed" is true), "leads" ("14@165, 14@147"), and readings by the
-/// names of erard_diagnosable, as numbers or as texts with units. Takes up to seconds. Returns NULL on failure;
+/// names of erard_diagnose_quantities, as numbers or as texts with units. Takes up to seconds. Returns NULL on failure;
 /// erard_last_error lists all errors in the readings. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_diagnose(
@@ -328,7 +328,7 @@ pub unsafe extern "C" fn erard_diagnose_check(
 /// not applicable to this key) and "how" to measure it. Returns NULL if there is no such key. Free the text with
 /// erard_text_free.
 #[unsafe(no_mangle)]
-pub extern "C" fn erard_diagnosable(key: u32, length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
+pub extern "C" fn erard_diagnose_quantities(key: u32, length: *mut usize, status: *mut ErardStatus) -> *mut c_char {
     told(null_mut(), status, || give(diagnose::form(known_key(key)?).to_string(), length))
 }
 
@@ -346,7 +346,7 @@ fn known_key(key: u32) -> Result<usize, Fault> {
 /// "label", "note", "group", "unit", "decimals", "value", "from" and "to". Returns NULL on failure. Free the text with
 /// erard_text_free.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_dials(
+pub unsafe extern "C" fn erard_instrument_dials(
     instrument: *const ErardInstrument,
     length: *mut usize,
     status: *mut ErardStatus,
@@ -365,7 +365,7 @@ pub unsafe extern "C" fn erard_dials(
 /// on failure, such as a value out of range or one that the file may not have. The new instrument belongs to the caller
 /// until erard_instrument_free.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_turned(
+pub unsafe extern "C" fn erard_instrument_with_dials(
     instrument: *const ErardInstrument,
     turns: *const c_char,
     status: *mut ErardStatus,
@@ -394,7 +394,7 @@ pub unsafe extern "C" fn erard_turned(
 /// hammer does not reach the string) and "warnings", sentences about results that cannot be trusted and parts that do
 /// not work. Takes a tenth of a second. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_try(
+pub unsafe extern "C" fn erard_instrument_test_press(
     instrument: *const ErardInstrument,
     length: *mut usize,
     status: *mut ErardStatus,

@@ -83,11 +83,11 @@ fn main() {
             black_box(native.impact());
         });
         through.round(|n| {
-            black_box(unsafe { erard_step_force(action, black_box(force(n)), &raw mut reading) });
+            black_box(unsafe { erard_action_step_force(action, black_box(force(n)), &raw mut reading) });
         });
     }
     directly.say("native Action::step");
-    through.say("erard_step_force");
+    through.say("erard_action_step_force");
     let more = 100.0 * (through.mean_us / directly.mean_us - 1.0);
     println!("the interface costs {more:+.1} % in the mean");
 
@@ -99,10 +99,11 @@ fn main() {
     };
     let saving = each(&mut || unsafe {
         size = 4096;
-        assert_eq!(erard_save(action, bytes.as_mut_ptr(), &raw mut size), ErardStatus::Ok);
+        assert_eq!(erard_action_save(action, bytes.as_mut_ptr(), &raw mut size), ErardStatus::Ok);
     });
-    let restoring = each(&mut || unsafe { assert_eq!(erard_restore(action, bytes.as_ptr(), size), ErardStatus::Ok) });
-    println!("erard_save {saving:.2} us, erard_restore {restoring:.2} us, {size} bytes");
+    let restoring =
+        each(&mut || unsafe { assert_eq!(erard_action_restore(action, bytes.as_ptr(), size), ErardStatus::Ok) });
+    println!("erard_action_save {saving:.2} us, erard_action_restore {restoring:.2} us, {size} bytes");
     unsafe { erard_action_free(action) };
     denormals();
     if let Some(at_most) = at_most
@@ -123,7 +124,7 @@ fn play(natively: bool, steps: usize) {
             black_box(native.step(Input::Force(black_box(force(n)))));
             black_box(native.impact());
         } else {
-            black_box(unsafe { erard_step_force(action, black_box(force(n)), &raw mut reading) });
+            black_box(unsafe { erard_action_step_force(action, black_box(force(n)), &raw mut reading) });
         }
     }
     unsafe { erard_action_free(action) };
@@ -145,7 +146,7 @@ fn count(at_most: Option<f64>) {
     let (native, through) = (counted("native"), counted("interface"));
     let more = 100.0 * (through / native - 1.0);
     println!("native Action::step  {native:.0} instructions a step");
-    println!("erard_step_force     {through:.0} instructions a step");
+    println!("erard_action_step_force     {through:.0} instructions a step");
     println!("the interface costs {more:+.1} % of instructions");
     if let Some(at_most) = at_most
         && more > at_most

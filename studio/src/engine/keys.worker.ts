@@ -32,7 +32,7 @@ const open = async (module: WebAssembly.Module, called: string): Promise<void> =
   const { raw } = library;
   name = called;
   keyboard = library.made(library.given(name, (at) => raw.erard_keyboard_builtin(at, STEP_S, 0)));
-  keys = raw.erard_keyboard_keys(keyboard);
+  keys = raw.erard_keyboard_key_count(keyboard);
   input = raw.erard_memory_new(INPUT_BYTES);
   impacts = raw.erard_memory_new(IMPACT_BYTES * MOST_IMPACTS);
   count = raw.erard_memory_new(8);
@@ -57,7 +57,7 @@ const show = (key: number): void => {
   finger_m = null;
   const instrument = library.made(library.given(name, (at) => raw.erard_instrument_of_keyboard(at, key, 0)));
   try {
-    const scene = library.json<Scene>(raw.erard_scene(instrument, 0, 0));
+    const scene = library.json<Scene>(raw.erard_instrument_drawing_json(instrument, 0, 0));
     sounds = scene.string !== null;
     shown = { key, bodies: scene.bodies.length, angles: raw.erard_memory_new(8 * scene.bodies.length) };
     say({ kind: "shown", key, scene });
@@ -94,7 +94,7 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
       struck.push({ key: library.u32(at, 1)[0]!, hammer_speed_m_per_s: library.f64(at + 16, 1)[0]! });
     }
     if (sounds) {
-      check(raw.erard_keyboard_bridge_sum(keyboard, bridge));
+      check(raw.erard_keyboard_total_bridge_force(keyboard, bridge));
       bridge_n[done] = library.f64(bridge, 1)[0]!;
     }
     done += some;
@@ -113,7 +113,7 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
     check(raw.erard_keyboard_angles(keyboard, shown.key, shown.angles, shown.bodies));
     pose = { key: shown.key, angles: Float32Array.from(library.f64(shown.angles, shown.bodies)) };
   }
-  const awake = raw.erard_keyboard_awake(keyboard);
+  const awake = raw.erard_keyboard_awake_count(keyboard);
   say({ kind: "frame", wall_ms, key_m, hammer_m, finger_n, impacts: struck, awake, steps, cost_ms: performance.now() - began, late_s, shown: pose, bridge_n }, [key_m.buffer, hammer_m.buffer, finger_n.buffer, bridge_n.buffer]);
 };
 

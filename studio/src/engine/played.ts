@@ -32,7 +32,7 @@ export class Played {
   readonly ring: Ring;
   private readonly instrument: number;
   private readonly action: number;
-  private readonly watch: number;
+  private readonly detector: number;
   private readonly reading: number;
   private readonly events: number;
   private readonly numbers: number;
@@ -55,26 +55,26 @@ export class Played {
     this.reading = raw.erard_memory_new(READING_BYTES);
     this.events = raw.erard_memory_new(8 * EVENTS.length);
     try {
-      this.scene = library.json<Scene>(raw.erard_scene(this.instrument, 0, 0));
+      this.scene = library.json<Scene>(raw.erard_instrument_drawing_json(this.instrument, 0, 0));
       this.firm(firmness_n_m);
-      this.action = library.made(raw.erard_action_of(this.instrument, STEP_S, 0));
+      this.action = library.made(raw.erard_action_of_instrument(this.instrument, STEP_S, 0));
     } catch (error) {
       raw.erard_instrument_free(this.instrument);
       throw error;
     }
-    this.watch = library.made(raw.erard_watch_new(this.instrument, 0));
-    library.done(raw.erard_keep_contacts(this.action));
-    this.bodies = raw.erard_body_count(this.action);
-    this.zones = raw.erard_zone_count(this.action);
+    this.detector = library.made(raw.erard_event_detector_new(this.instrument, 0));
+    library.done(raw.erard_action_record_contacts(this.action));
+    this.bodies = raw.erard_action_body_count(this.action);
+    this.zones = raw.erard_action_zone_count(this.action);
     this.numbers = raw.erard_memory_new(8 * (this.bodies + 5 * this.zones));
-    this.places = raw.erard_string_places(this.action, 0, 0);
+    this.places = raw.erard_action_string_places(this.action, 0, 0);
     this.shape = raw.erard_memory_new(8 * Math.max(this.places, 1));
-    raw.erard_string_places(this.action, this.shape, this.places);
+    raw.erard_action_string_places(this.action, this.shape, this.places);
     this.scene.places_m = [...library.f64(this.shape, this.places)];
     const width = HEAD + this.bodies + 5 * this.zones + this.places, fits = spare.findIndex((ring) => ring.width === width);
     this.ring = fits >= 0 ? spare.splice(fits, 1)[0]! : new Ring(width, Math.round(KEPT_S / STEP_S));
     this.ring.clear();
-    library.done(raw.erard_read(this.action, this.reading));
+    library.done(raw.erard_action_read(this.action, this.reading));
     this.keep();
   }
 
@@ -95,7 +95,7 @@ export class Played {
   free(): void {
     const { raw } = this.library;
     this.endStroke();
-    raw.erard_watch_free(this.watch);
+    raw.erard_event_detector_free(this.detector);
     raw.erard_action_free(this.action);
     raw.erard_instrument_free(this.instrument);
     raw.erard_memory_free(this.reading, READING_BYTES);
@@ -107,8 +107,8 @@ export class Played {
   /** A press begins: its instants are looked for. */
   begin(): void {
     this.impactsBefore = this.impact_count;
-    this.library.done(this.library.raw.erard_watch_again(this.watch));
-    this.library.done(this.library.raw.erard_watch_look(this.watch, this.action));
+    this.library.done(this.library.raw.erard_event_detector_reset(this.detector));
+    this.library.done(this.library.raw.erard_event_detector_observe(this.detector, this.action));
   }
 
   /** A stroke begins. The hand of a level is the one that reaches it on `reference`, so that two actions that are
@@ -123,12 +123,12 @@ export class Played {
     );
     this.strokeLeft_s = raw.erard_stroke_duration(this.stroke);
     this.begin();
-    return this.library.taken(raw.erard_stroke_told(this.stroke, 0, 0)).split("\n").filter((line) => line);
+    return this.library.taken(raw.erard_stroke_remarks(this.stroke, 0, 0)).split("\n").filter((line) => line);
   }
 
   /** Sends the rail that the sustain pedal lifts to a lift, m. */
   pedal(lift_m: number): void {
-    this.library.done(this.library.raw.erard_set_pedal(this.action, lift_m));
+    this.library.done(this.library.raw.erard_action_set_pedal(this.action, lift_m));
   }
 
   endStroke(): void {
@@ -141,24 +141,24 @@ export class Played {
   step(drive: Drive): void {
     const { raw } = this.library;
     let status: number;
-    if (drive.kind === "finger") status = raw.erard_step_motion(this.action, drive.position_m, drive.velocity_m_per_s, this.reading);
-    else if (drive.kind === "imposed") status = raw.erard_step_rigid(this.action, drive.position_m, drive.velocity_m_per_s, this.reading);
-    else if (drive.kind === "force") status = raw.erard_step_force(this.action, drive.force_n, this.reading);
+    if (drive.kind === "finger") status = raw.erard_action_step_motion(this.action, drive.position_m, drive.velocity_m_per_s, this.reading);
+    else if (drive.kind === "imposed") status = raw.erard_action_step_rigid(this.action, drive.position_m, drive.velocity_m_per_s, this.reading);
+    else if (drive.kind === "force") status = raw.erard_action_step_force(this.action, drive.force_n, this.reading);
     else if (drive.kind === "stroke" && this.stroke) {
-      status = raw.erard_step_stroke(this.action, this.stroke, this.reading);
+      status = raw.erard_action_step_stroke(this.action, this.stroke, this.reading);
       this.strokeLeft_s -= STEP_S;
       if (this.strokeLeft_s <= 0) this.endStroke();
-    } else status = raw.erard_step_free(this.action, this.reading);
+    } else status = raw.erard_action_step_free(this.action, this.reading);
     if (status < 0) throw new LibraryError(this.library.statusText(status));
     this.limited += status > 0 ? 1 : 0;
-    raw.erard_watch_look(this.watch, this.action);
+    raw.erard_event_detector_observe(this.detector, this.action);
     this.keep();
   }
 
   private keep(): void {
     const { library, bodies, zones, numbers } = this;
-    library.raw.erard_angles(this.action, numbers, bodies);
-    library.raw.erard_contacts(this.action, numbers + 8 * bodies, 5 * zones);
+    library.raw.erard_action_angles(this.action, numbers, bodies);
+    library.raw.erard_action_contacts(this.action, numbers + 8 * bodies, 5 * zones);
     const [time, key, , finger, , hammer, speed, string] = library.f64(this.reading, 10) as unknown as number[];
     const row = this.ring.push(time!);
     row[0] = key!;
@@ -168,12 +168,12 @@ export class Played {
     row[4] = speed!;
     row.set(library.f64(numbers, bodies + 5 * zones), HEAD);
     if (!this.places) return;
-    library.raw.erard_string_shape(this.action, this.shape, this.places);
+    library.raw.erard_action_string_shape(this.action, this.shape, this.places);
     row.set(library.f32(this.shape, this.places), HEAD + bodies + 5 * zones);
   }
 
   get rests(): boolean {
-    return this.library.raw.erard_rests(this.action) === 1;
+    return this.library.raw.erard_action_is_asleep(this.action) === 1;
   }
 
   get time_s(): number {
@@ -211,7 +211,7 @@ export class Played {
   }
 
   seen(): Events {
-    this.library.done(this.library.raw.erard_watch_read(this.watch, this.events));
+    this.library.done(this.library.raw.erard_event_detector_read(this.detector, this.events));
     const values = this.library.f64(this.events, EVENTS.length);
     const impact_count = this.impact_count - this.impactsBefore;
     return { ...(Object.fromEntries(EVENTS.map((name, index) => [name, values[index]!])) as unknown as Events), impact_count };
@@ -283,10 +283,10 @@ export class Played {
   save(): Uint8Array<ArrayBuffer> {
     const { raw } = this.library;
     const size = raw.erard_memory_new(8);
-    raw.erard_save(this.action, 0, size);
+    raw.erard_action_save(this.action, 0, size);
     const bytes = this.library.u32(size, 1)[0]!;
     const at = raw.erard_memory_new(bytes);
-    const status = raw.erard_save(this.action, at, size);
+    const status = raw.erard_action_save(this.action, at, size);
     const saved = this.library.bytes(at, bytes).slice();
     raw.erard_memory_free(at, bytes);
     raw.erard_memory_free(size, 8);
@@ -298,10 +298,10 @@ export class Played {
     const { raw } = this.library;
     const at = raw.erard_memory_new(saved.length);
     this.library.bytes(at, saved.length).set(saved);
-    const status = raw.erard_restore(this.action, at, saved.length);
+    const status = raw.erard_action_restore(this.action, at, saved.length);
     raw.erard_memory_free(at, saved.length);
     this.library.done(status);
-    raw.erard_read(this.action, this.reading);
+    raw.erard_action_read(this.action, this.reading);
     this.ring.clear();
     this.keep();
   }

@@ -1,7 +1,7 @@
 // What page and workers say to each other. Lengths in m, forces in N, times in s, unless a name says otherwise.
 import type { ArrowLaw, Hinge } from "../../../crates/erard-figures/src/page/moving.js";
 
-/** What erard_scene reports about an instrument. */
+/** What erard_instrument_drawing_json reports about an instrument. */
 export interface Scene {
   name: string;
   shapes: string;
@@ -12,7 +12,7 @@ export interface Scene {
   pedal: boolean;
   /** Where a modal string is struck and how high it lies; null where it is rigid. */
   string: number[] | null;
-  /** The places at which it is looked at, m from there: not erard_scene's, but the action's. */
+  /** The places at which it is looked at, m from there: not erard_instrument_drawing_json's, but the action's. */
   places_m?: number[];
   labels: { text: string; piece: number; at: number[] }[];
   arrow: ArrowLaw;
@@ -101,7 +101,7 @@ export type FromPlayer =
   | { kind: "fault"; message: string }
   | { kind: "restored"; scenes: Scene[] };
 
-/** A slider of erard_dials. */
+/** A slider of erard_instrument_dials. */
 export interface Dial {
   name: string;
   label: string;
@@ -133,7 +133,7 @@ export interface Regulated {
   file: string;
 }
 
-/** What can be measured of a key of one's own piano, as erard_diagnosable has it. */
+/** What can be measured of a key of one's own piano, as erard_diagnose_quantities has it. */
 export interface Measurable {
   name: string;
   label: string;

@@ -16,7 +16,7 @@ const answer = (task: Task): unknown => {
   };
   switch (task.kind) {
     case "builtin":
-      return library.json(raw.erard_builtin(0, 0));
+      return library.json(raw.erard_builtin_names(0, 0));
     case "base": {
       if ("text" in task.of) return task.of.text;
       if ("key" in task.of) {
@@ -27,24 +27,24 @@ const answer = (task: Task): unknown => {
     }
     case "turned":
       return library.withInstrument(task.text, (base) =>
-        textOf(library.made(library.given(JSON.stringify(task.turns), (at) => raw.erard_turned(base, at, 0)))));
+        textOf(library.made(library.given(JSON.stringify(task.turns), (at) => raw.erard_instrument_with_dials(base, at, 0)))));
     case "dials":
-      return library.withInstrument(task.text, (instrument) => library.json(raw.erard_dials(instrument, 0, 0)));
+      return library.withInstrument(task.text, (instrument) => library.json(raw.erard_instrument_dials(instrument, 0, 0)));
     case "sheet":
-      return library.json(raw.erard_sheet(task.key, 0, 0));
+      return library.json(raw.erard_sheet_lines(task.key, 0, 0));
     case "check":
-      return library.given(task.text, (at, length) => library.json(raw.erard_check(at, length, 0, 0)));
+      return library.given(task.text, (at, length) => library.json(raw.erard_file_check(at, length, 0, 0)));
     case "columns":
       return library.given(JSON.stringify(task.titles), (at) => library.json(raw.erard_recording_columns(at, 0, 0)));
     case "try":
-      return library.withInstrument(task.text, (instrument) => library.json(raw.erard_try(instrument, 0, 0)));
+      return library.withInstrument(task.text, (instrument) => library.json(raw.erard_instrument_test_press(instrument, 0, 0)));
     case "measure":
       return library.withInstrument(task.text, (instrument) =>
-        library.given(task.lines, (at) => library.json(raw.erard_measure(instrument, 0, at, 0, 0, 0, 0))));
+        library.given(task.lines, (at) => library.json(raw.erard_instrument_measure(instrument, 0, at, 0, 0, 0, 0))));
     case "regulate":
-      return library.withInstrument(task.text, (instrument) => library.json(raw.erard_regulate(instrument, 0, 0, 0, 0, 0)));
+      return library.withInstrument(task.text, (instrument) => library.json(raw.erard_instrument_regulate(instrument, 0, 0, 0, 0, 0)));
     case "diagnosable":
-      return library.json(raw.erard_diagnosable(task.key, 0, 0));
+      return library.json(raw.erard_diagnose_quantities(task.key, 0, 0));
     case "diagnose":
       return library.given(JSON.stringify(task.readings), (at) => {
         const faults = library.json<unknown[]>(raw.erard_diagnose_check(at, 0, 0));

@@ -33,7 +33,7 @@ export interface State {
   view: number[] | null;
   /** The keyboard that is played, by its name. */
   keyboard: string;
-  /** What was measured of one's own piano, as it was typed, by the names of erard_diagnosable. */
+  /** What was measured of one's own piano, as it was typed, by the names of erard_diagnose_quantities. */
   readings: Record<string, string>;
 }
 

@@ -10,7 +10,9 @@ use erard_workshop::fmu::{Role, Unit, Variable};
 use super::played::{Instant, Played};
 use super::{DISCARD, Done, Logger, OK, WARNING, log};
 use crate::keyboard;
-use crate::reading::{ERARD_FORCE, ERARD_FREE, ERARD_HAND, ERARD_MOTION, ERARD_RIGID, ErardInput};
+use crate::reading::{
+    ERARD_INPUT_FORCE, ERARD_INPUT_FREE, ERARD_INPUT_HAND, ERARD_INPUT_MOTION, ERARD_INPUT_RIGID, ErardInput,
+};
 use crate::status::ErardStatus;
 
 /// Most steps of the simulation in one communication step.
@@ -130,11 +132,11 @@ impl Component {
             [Role::HandMass, Role::MuscleStiffness, Role::MuscleDamping].map(|role| self.value(role));
         let input = |[force, position, velocity, drive]: &[usize; 4]| {
             let kind = match self.values[*drive] {
-                0.0 => ERARD_FREE,
-                1.0 => ERARD_FORCE,
-                2.0 => ERARD_MOTION,
-                3.0 => ERARD_RIGID,
-                4.0 => ERARD_HAND,
+                0.0 => ERARD_INPUT_FREE,
+                1.0 => ERARD_INPUT_FORCE,
+                2.0 => ERARD_INPUT_MOTION,
+                3.0 => ERARD_INPUT_RIGID,
+                4.0 => ERARD_INPUT_HAND,
                 other => {
                     let Variable { name, .. } = &self.unit.variables[*drive];
                     return Err(format!("`{name}` is {other}; expected 0, 1, 2, 3 or 4"));

@@ -6,7 +6,7 @@ use erard::strings::Strings;
 
 use crate::action::ErardAction;
 use crate::keyboard::{ErardKeyboard, restore};
-use crate::reading::{ERARD_HAND, ERARD_MOTION, ERARD_RIGID, ErardInput, ErardReading};
+use crate::reading::{ERARD_INPUT_HAND, ERARD_INPUT_MOTION, ERARD_INPUT_RIGID, ErardInput, ErardReading};
 use crate::status::{ErardStatus, Fault};
 
 /// One action, or the keys of a keyboard. Keys count from 1; a single action is key 1.
@@ -33,7 +33,7 @@ impl Instant {
     /// Returns the input in this step: a finger's position is taken at the step's middle, an imposed key front's at its
     /// end.
     fn later(&self, input: &ErardInput) -> ErardInput {
-        let share = if input.kind == ERARD_RIGID { 1.0 } else { 0.5 };
+        let share = if input.kind == ERARD_INPUT_RIGID { 1.0 } else { 0.5 };
         let later_s = (self.start_s + (self.steps as f64 + share) * self.step_s - self.now_s).max(0.0);
         ErardInput { position_m: input.position_m + input.velocity_m_per_s * later_s, ..*input }
     }
@@ -69,9 +69,10 @@ impl Played {
             Played::Keyboard(own) => {
                 for (index, input) in inputs.iter().enumerate() {
                     // Constant inputs hold within a communication step.
-                    let moves = input.velocity_m_per_s != 0.0 && [ERARD_MOTION, ERARD_HAND].contains(&input.kind);
+                    let moves =
+                        input.velocity_m_per_s != 0.0 && [ERARD_INPUT_MOTION, ERARD_INPUT_HAND].contains(&input.kind);
                     let status = match input.kind {
-                        ERARD_RIGID => own.impose(index + 1, &at.later(input)),
+                        ERARD_INPUT_RIGID => own.impose(index + 1, &at.later(input)),
                         _ if at.is_first || moves => own.drive(index + 1, &at.later(input)),
                         _ => ErardStatus::Ok,
                     };

@@ -10,7 +10,7 @@ static ErardAction *action;
 static ErardInstrument *instrument;
 static ErardKeyboard *keyboard;
 static ErardStroke *stroke;
-static ErardWatch *watch;
+static ErardEventDetector *detector;
 static ErardReading readings[8];
 static ErardImpact impacts[4096];
 static ErardEvents events;
@@ -69,11 +69,11 @@ static void made(int is_there, int code, int told, int bad) {
 static void begin(void) {
     ErardStatus found = ERARD_STATUS_OK;
     instrument = erard_instrument_builtin("concert-grand-rigid", &found);
-    action = erard_action_of(instrument, 50e-6, &found);
+    action = erard_action_of_instrument(instrument, 50e-6, &found);
     keyboard = erard_keyboard_builtin("concert-grand", 50e-6, &found);
     stroke = erard_stroke_builtin(instrument, "mf", 0, &found);
-    watch = erard_watch_new(instrument, &found);
-    if (!instrument || !action || !keyboard || !stroke || !watch) {
+    detector = erard_event_detector_new(instrument, &found);
+    if (!instrument || !action || !keyboard || !stroke || !detector) {
         printf("wrong: the objects: %s\n", erard_last_error());
         exit(0);
     }
@@ -98,26 +98,26 @@ int main(int arguments, char **names) {
     (void)stops; (void)stops_late;
     memset(long_text, 'a', sizeof long_text - 1);
     begin();
-    for (int n = 0; n < 200; n++) erard_step_force(action, 5.0, NULL);
+    for (int n = 0; n < 200; n++) erard_action_step_force(action, 5.0, NULL);
     for (int which = atoi(names[1]); which < atoi(names[2]); which++) {
         saved_size = sizeof saved;
-        if (erard_save(action, saved, &saved_size) < 0) wrong("it cannot be saved");
+        if (erard_action_save(action, saved, &saved_size) < 0) wrong("it cannot be saved");
         printf("at %d\n", which);
         fflush(stdout);
         play(which);
         ErardReading reading;
-        if (erard_read(action, &reading) < 0) wrong("it cannot be read");
+        if (erard_action_read(action, &reading) < 0) wrong("it cannot be read");
         if (!isfinite(reading.key_m + reading.hammer_m + reading.finger_n + reading.string_n)) wrong("not finite");
         now_size = sizeof now;
-        if (erard_save(action, now, &now_size) < 0) wrong("it cannot be saved any more");
+        if (erard_action_save(action, now, &now_size) < 0) wrong("it cannot be saved any more");
         if (was_refused && (now_size != saved_size || memcmp(saved, now, saved_size))) wrong("refused, and the action is another");
         /* It plays on from where it was. */
-        if (erard_restore(action, saved, saved_size) < 0) wrong("it does not come back");
-        if (erard_step_force(action, 5.0, &reading) < 0 || !isfinite(reading.key_m)) wrong("it does not play on");
-        if (erard_restore(action, saved, saved_size) < 0) wrong("it does not come back twice");
+        if (erard_action_restore(action, saved, saved_size) < 0) wrong("it does not come back");
+        if (erard_action_step_force(action, 5.0, &reading) < 0 || !isfinite(reading.key_m)) wrong("it does not play on");
+        if (erard_action_restore(action, saved, saved_size) < 0) wrong("it does not come back twice");
     }
     printf("ends: %d done, %d refused, %d wrong\n", done, refused, faults);
-    erard_watch_free(watch);
+    erard_event_detector_free(detector);
     erard_stroke_free(stroke);
     erard_keyboard_free(keyboard);
     erard_action_free(action);

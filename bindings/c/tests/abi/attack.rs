@@ -139,7 +139,7 @@ fn argument(chance: &mut Chance, function: &Function, place: usize) -> String {
                 "ErardInstrument *" => "instrument",
                 "ErardKeyboard *" => "keyboard",
                 "ErardStroke *" => "stroke",
-                "ErardWatch *" => "watch",
+                "ErardEventDetector *" => "detector",
                 "ErardReading *" => "readings",
                 "ErardInput *" => "&input",
                 "ErardImpact *" => "impacts",
@@ -149,6 +149,18 @@ fn argument(chance: &mut Chance, function: &Function, place: usize) -> String {
             chance.one(&[known, known, known, known, "NULL"]).to_owned()
         }
     }
+}
+
+/// `EventDetector` as functions have it: `event_detector`.
+fn snake(object: &str) -> String {
+    let mut name = String::new();
+    for letter in object.chars() {
+        if letter.is_uppercase() && !name.is_empty() {
+            name.push('_');
+        }
+        name.extend(letter.to_lowercase());
+    }
+    name
 }
 
 /// The call of a seed as a case of the program.
@@ -190,7 +202,7 @@ fn case(all: &[Function], seed: u64) -> String {
         ),
         object => {
             let object = object.trim_start_matches("struct ").trim_end_matches([' ', '*']);
-            let free = object.strip_prefix("Erard").expect("an object of the library").to_lowercase();
+            let free = snake(object.strip_prefix("Erard").expect("an object of the library"));
             writeln!(
                 text,
                 "        struct {object} *found = {call};\n        made(found != NULL, {code}, {}, {});\n        \

@@ -32,20 +32,20 @@ fn numbers_that_no_action_takes() {
         (f64::NEG_INFINITY, ErardStatus::NotFinite),
         (huge, ErardStatus::Range),
         (-huge, ErardStatus::Range),
-        (2.0 * ERARD_LARGEST_FORCE_N, ErardStatus::Range),
+        (2.0 * ERARD_MAX_FORCE_N, ErardStatus::Range),
     ] {
         let mut r = ErardReading::default();
         let place = &raw mut r;
         let found = unsafe {
             [
-                erard_step_force(action.0, bad, place),
-                erard_step_motion(action.0, bad, 0.0, place),
-                erard_step_motion(action.0, 0.0, bad, place),
-                erard_step_rigid(action.0, bad, 0.0, place),
-                erard_step_rigid(action.0, 0.0, bad, place),
-                erard_advance(action.0, 1e-3, &pushed(bad), place),
-                erard_advance(action.0, 1e-3, &moving(bad, 0.0), place),
-                erard_advance(action.0, bad, &pushed(1.0), place),
+                erard_action_step_force(action.0, bad, place),
+                erard_action_step_motion(action.0, bad, 0.0, place),
+                erard_action_step_motion(action.0, 0.0, bad, place),
+                erard_action_step_rigid(action.0, bad, 0.0, place),
+                erard_action_step_rigid(action.0, 0.0, bad, place),
+                erard_action_advance(action.0, 1e-3, &pushed(bad), place),
+                erard_action_advance(action.0, 1e-3, &moving(bad, 0.0), place),
+                erard_action_advance(action.0, bad, &pushed(1.0), place),
             ]
         };
         assert_eq!(found, [expected; 8], "{bad}");
@@ -53,8 +53,8 @@ fn numbers_that_no_action_takes() {
         assert_eq!(r, action.read(), "the reading is the one before");
     }
     let unknown = ErardInput { kind: 5, ..ErardInput::default() };
-    assert_eq!(unsafe { erard_advance(action.0, 1e-3, &raw const unknown, null_mut()) }, ErardStatus::Argument);
-    assert_eq!(unsafe { erard_advance(action.0, -1e-3, &pushed(1.0), null_mut()) }, ErardStatus::Range);
+    assert_eq!(unsafe { erard_action_advance(action.0, 1e-3, &raw const unknown, null_mut()) }, ErardStatus::Argument);
+    assert_eq!(unsafe { erard_action_advance(action.0, -1e-3, &pushed(1.0), null_mut()) }, ErardStatus::Range);
     unchanged(&action, &before, "kind and time");
     action.force(5.0);
 }
@@ -63,19 +63,19 @@ fn numbers_that_no_action_takes() {
 #[test]
 fn the_largest_numbers_that_it_takes() {
     let action = Action::grand();
-    let (f, x, v) = (ERARD_LARGEST_FORCE_N, ERARD_LARGEST_POSITION_M, ERARD_LARGEST_SPEED_M_PER_S);
+    let (f, x, v) = (ERARD_MAX_FORCE_N, ERARD_MAX_POSITION_M, ERARD_MAX_SPEED_M_PER_S);
     let extremes = [pushed(f), pushed(-f), moving(x, v), moving(-x, -v), moving(x, -v)];
-    let rigid = extremes.iter().skip(2).map(|input| ErardInput { kind: ERARD_RIGID, ..*input });
+    let rigid = extremes.iter().skip(2).map(|input| ErardInput { kind: ERARD_INPUT_RIGID, ..*input });
     for input in extremes.iter().copied().chain(rigid) {
-        assert_eq!(unsafe { erard_reset(action.0) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_action_reset(action.0) }, ErardStatus::Ok);
         let mut r = ErardReading::default();
         for n in 0..2000 {
-            let status = unsafe { erard_advance(action.0, 50e-6, &raw const input, &raw mut r) };
+            let status = unsafe { erard_action_advance(action.0, 50e-6, &raw const input, &raw mut r) };
             assert_ne!(status, ErardStatus::Internal, "{input:?}, step {n}");
             let all = [r.key_m, r.key_m_per_s, r.finger_n, r.hammer_m, r.hammer_m_per_s, r.string_n];
             assert!(all.iter().all(|number| number.is_finite()), "{input:?}, step {n}: {r:?}");
         }
-        assert_eq!(unsafe { erard_reset(action.0) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_action_reset(action.0) }, ErardStatus::Ok);
         for _ in 0..1000 {
             action.force(5.0);
         }
@@ -91,19 +91,19 @@ fn nothing_at_all() {
     let input = pushed(1.0);
     unsafe {
         for status in [
-            erard_step_force(action, 1.0, null_mut()),
-            erard_step_motion(action, 0.0, 0.0, null_mut()),
-            erard_step_rigid(action, 0.0, 0.0, null_mut()),
-            erard_step_free(action, null_mut()),
-            erard_advance(action, 1e-3, &raw const input, null_mut()),
-            erard_read(action, null_mut()),
-            erard_reset(action),
-            erard_save(action, null_mut(), &raw mut n),
-            erard_restore(action, null(), 0),
-            erard_angles(action, null_mut(), 0),
-            erard_string_shape(action, null_mut(), 0),
-            erard_velocities(action, null_mut(), 0),
-            erard_contact_forces(action, null_mut(), 0),
+            erard_action_step_force(action, 1.0, null_mut()),
+            erard_action_step_motion(action, 0.0, 0.0, null_mut()),
+            erard_action_step_rigid(action, 0.0, 0.0, null_mut()),
+            erard_action_step_free(action, null_mut()),
+            erard_action_advance(action, 1e-3, &raw const input, null_mut()),
+            erard_action_read(action, null_mut()),
+            erard_action_reset(action),
+            erard_action_save(action, null_mut(), &raw mut n),
+            erard_action_restore(action, null(), 0),
+            erard_action_angles(action, null_mut(), 0),
+            erard_action_string_shape(action, null_mut(), 0),
+            erard_action_velocities(action, null_mut(), 0),
+            erard_action_contact_forces(action, null_mut(), 0),
             erard_keyboard_drive(keyboard, 1, &raw const input),
             erard_keyboard_step(keyboard, 1, null_mut(), 0, null_mut()),
             erard_keyboard_read(keyboard, 1, null_mut()),
@@ -121,22 +121,25 @@ fn nothing_at_all() {
         erard_instrument_free(instrument);
         erard_text_free(null_mut());
         erard_memory_free(null_mut(), 0);
-        assert_eq!((erard_body_count(action), erard_zone_count(action), erard_keyboard_keys(keyboard)), (0, 0, 0));
-        assert_eq!(erard_keyboard_awake(keyboard), 0);
-        assert!(erard_body_name(action, 0).is_null() && erard_zone_name(action, 0).is_null());
+        assert_eq!(
+            (erard_action_body_count(action), erard_action_zone_count(action), erard_keyboard_key_count(keyboard)),
+            (0, 0, 0)
+        );
+        assert_eq!(erard_keyboard_awake_count(keyboard), 0);
+        assert!(erard_action_body_name(action, 0).is_null() && erard_action_zone_name(action, 0).is_null());
         assert!(erard_memory_new(0).is_null());
         let mut status = ErardStatus::Ok;
         let place = &raw mut status;
-        assert!(erard_action_of(null(), 50e-6, place).is_null() && *place == ErardStatus::Null);
+        assert!(erard_action_of_instrument(null(), 50e-6, place).is_null() && *place == ErardStatus::Null);
         assert!(erard_action_new(null(), 5, 50e-6, place).is_null() && *place == ErardStatus::Null);
         assert!(erard_instrument_builtin(null(), place).is_null() && *place == ErardStatus::Null);
-        assert!(erard_check(null(), 0, null_mut(), place).is_null() && *place == ErardStatus::Null);
+        assert!(erard_file_check(null(), 0, null_mut(), place).is_null() && *place == ErardStatus::Null);
         for text in [
             erard_instrument_text(instrument, null_mut(), place),
             erard_instrument_json(instrument, null_mut(), place),
-            erard_draw(instrument, null(), 0, 800.0, 0, null_mut(), place),
-            erard_measure(instrument, 0, null(), None, null_mut(), null_mut(), place),
-            erard_regulate(instrument, null(), None, null_mut(), null_mut(), place),
+            erard_instrument_draw(instrument, null(), 0, 800.0, 0, null_mut(), place),
+            erard_instrument_measure(instrument, 0, null(), None, null_mut(), null_mut(), place),
+            erard_instrument_regulate(instrument, null(), None, null_mut(), null_mut(), place),
             erard_diagnose(null(), null_mut(), place),
             erard_diagnose_check(null(), null_mut(), place),
         ] {
@@ -145,15 +148,15 @@ fn nothing_at_all() {
         // And an object, but nothing else.
         let action = Action::grand();
         for status in [
-            erard_advance(action.0, 1e-3, null(), null_mut()),
-            erard_read(action.0, null_mut()),
-            erard_save(action.0, null_mut(), null_mut()),
-            erard_restore(action.0, null(), 0),
-            erard_angles(action.0, null_mut(), 99),
+            erard_action_advance(action.0, 1e-3, null(), null_mut()),
+            erard_action_read(action.0, null_mut()),
+            erard_action_save(action.0, null_mut(), null_mut()),
+            erard_action_restore(action.0, null(), 0),
+            erard_action_angles(action.0, null_mut(), 99),
         ] {
             assert_eq!(status, ErardStatus::Null);
         }
-        assert_eq!(erard_step_force(action.0, 1.0, null_mut()), ErardStatus::Ok, "a reading may be NULL");
+        assert_eq!(erard_action_step_force(action.0, 1.0, null_mut()), ErardStatus::Ok, "a reading may be NULL");
     }
 }
 
@@ -164,7 +167,7 @@ fn states_that_do_not_fit() {
     let good = action.save();
     let other = unsafe { erard_action_new(null(), 0, 25e-6, null_mut()) };
     let heavy = unsafe { erard_instrument_builtin(c"heavy-touch".as_ptr(), null_mut()) };
-    let third = unsafe { erard_action_of(heavy, 50e-6, null_mut()) };
+    let third = unsafe { erard_action_of_instrument(heavy, 50e-6, null_mut()) };
     unsafe { erard_instrument_free(heavy) };
     for foreign in [Action(other), Action(third)] {
         assert_eq!(action.restore(&foreign.save()), ErardStatus::Foreign);
@@ -180,9 +183,9 @@ fn states_that_do_not_fit() {
     unchanged(&action, &good, "refused states");
     assert_eq!(action.restore(&good), ErardStatus::Ok);
     let (mut small, mut size) = (vec![7_u8; good.len() - 1], good.len() - 1);
-    assert_eq!(unsafe { erard_save(action.0, small.as_mut_ptr(), &raw mut size) }, ErardStatus::Size);
+    assert_eq!(unsafe { erard_action_save(action.0, small.as_mut_ptr(), &raw mut size) }, ErardStatus::Size);
     assert!(size == good.len() && small.iter().all(|byte| *byte == 7), "nothing is written");
-    assert_eq!(unsafe { erard_angles(action.0, [0.0].as_mut_ptr(), 1) }, ErardStatus::Size);
+    assert_eq!(unsafe { erard_action_angles(action.0, [0.0].as_mut_ptr(), 1) }, ErardStatus::Size);
 }
 
 /// A keyboard that is driven wrongly.

@@ -34,9 +34,9 @@ fn steps_are_the_native_actions() {
             };
             let mut r = ErardReading::default();
             let status = if by_motion {
-                unsafe { erard_step_motion(here.0, input.position_m, input.velocity_m_per_s, &raw mut r) }
+                unsafe { erard_action_step_motion(here.0, input.position_m, input.velocity_m_per_s, &raw mut r) }
             } else {
-                unsafe { erard_step_force(here.0, input.force_n, &raw mut r) }
+                unsafe { erard_action_step_force(here.0, input.force_n, &raw mut r) }
             };
             let native = there.step(native);
             assert_eq!(status == ErardStatus::Ok, native.outcome == erard::Outcome::Converged);
@@ -112,7 +112,7 @@ fn reset_is_the_beginning() {
     for n in 0..3000 {
         used.force(stroke(n));
     }
-    assert_eq!(unsafe { erard_reset(used.0) }, ErardStatus::Ok);
+    assert_eq!(unsafe { erard_action_reset(used.0) }, ErardStatus::Ok);
     assert_eq!(used.read(), fresh.read());
     for n in 0..3000 {
         assert_eq!(bits(&used.force(stroke(n))), bits(&fresh.force(stroke(n))), "step {n}");
@@ -143,7 +143,7 @@ fn periods_are_steps() {
         let due = f64::from(n) / 44_100.0;
         assert!(reading.time_s <= due + 1e-9 && reading.time_s > due - 50e-6 - 1e-9, "{} of {due}", reading.time_s);
     }
-    assert_eq!(unsafe { erard_reset(action.0) }, ErardStatus::Ok);
+    assert_eq!(unsafe { erard_action_reset(action.0) }, ErardStatus::Ok);
     // A device's position moves on within its period: a straight way in periods of 20 steps is the same as step by
     // step.
     let single = Action::grand();
@@ -154,7 +154,7 @@ fn periods_are_steps() {
         let mut last = ErardReading::default();
         for k in 0..20 {
             let at = x + v * (f64::from(k) * h + 0.5 * h);
-            assert_eq!(unsafe { erard_step_motion(single.0, at, v, &raw mut last) }, ErardStatus::Ok);
+            assert_eq!(unsafe { erard_action_step_motion(single.0, at, v, &raw mut last) }, ErardStatus::Ok);
         }
         assert_eq!(bits(&reading), bits(&last), "period {n}");
     }
@@ -166,8 +166,8 @@ fn periods_are_steps() {
 fn keys_show_their_angles() {
     let keyboard = Keyboard::new();
     let instrument = erard_instrument_of_key(40, null_mut());
-    let alone = Action(unsafe { erard_action_of(instrument, 50e-6, null_mut()) });
-    let bodies = unsafe { erard_body_count(alone.0) };
+    let alone = Action(unsafe { erard_action_of_instrument(instrument, 50e-6, null_mut()) });
+    let bodies = unsafe { erard_action_body_count(alone.0) };
     let angles = || {
         let mut angles = vec![0.0_f64; bodies];
         assert_eq!(unsafe { erard_keyboard_angles(keyboard.0, 40, angles.as_mut_ptr(), bodies) }, ErardStatus::Ok);
@@ -191,17 +191,17 @@ fn keys_show_their_angles() {
 #[test]
 fn strings_show_their_shape() {
     let (rigid, strung) = (Action::grand(), Action::strung());
-    assert_eq!(unsafe { erard_string_places(rigid.0, null_mut(), 0) }, 0);
-    let count = unsafe { erard_string_places(strung.0, null_mut(), 0) };
+    assert_eq!(unsafe { erard_action_string_places(rigid.0, null_mut(), 0) }, 0);
+    let count = unsafe { erard_action_string_places(strung.0, null_mut(), 0) };
     let mut places = vec![0.0; count];
-    assert_eq!(unsafe { erard_string_places(strung.0, places.as_mut_ptr(), count) }, count);
+    assert_eq!(unsafe { erard_action_string_places(strung.0, places.as_mut_ptr(), count) }, count);
     assert!(count > 10 && places.is_sorted() && places[0] < 0.0 && places[count - 1] > 0.0, "{places:?}");
     let shape = || {
         let mut shape = vec![0.0_f32; count];
-        assert_eq!(unsafe { erard_string_shape(strung.0, shape.as_mut_ptr(), count) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_action_string_shape(strung.0, shape.as_mut_ptr(), count) }, ErardStatus::Ok);
         shape
     };
-    assert_eq!(unsafe { erard_string_shape(strung.0, [0.0_f32].as_mut_ptr(), 1) }, ErardStatus::Size);
+    assert_eq!(unsafe { erard_action_string_shape(strung.0, [0.0_f32].as_mut_ptr(), 1) }, ErardStatus::Size);
     // It rests under its damper, which presses it by hundredths of a millimetre.
     assert!(shape().iter().all(|m| m.abs() < 1e-4), "{:?}", shape());
     let mut struck = 0;
@@ -338,11 +338,11 @@ fn chord_is_heard([leave, end]: [u32; 2], pressed_n: f64) {
     assert_eq!(unsafe { erard_keyboard_set_pedal(keyboard.0, 0.007) }, ErardStatus::Ok);
     let alone = Action(unsafe {
         let instrument = erard_instrument_builtin(name.as_ptr(), null_mut());
-        let action = erard_action_of(instrument, STEP_S, null_mut());
+        let action = erard_action_of_instrument(instrument, STEP_S, null_mut());
         erard_instrument_free(instrument);
         action
     });
-    assert_eq!(unsafe { erard_set_pedal(alone.0, 0.007) }, ErardStatus::Ok);
+    assert_eq!(unsafe { erard_action_set_pedal(alone.0, 0.007) }, ErardStatus::Ok);
     let own = erard::Instrument::builtin("concert-grand-strings").unwrap();
     let mut beside = erard::Action::with(&own, erard::Settings::new(STEP_S)).unwrap();
     beside.set_pedal(0.007);
@@ -361,11 +361,11 @@ fn chord_is_heard([leave, end]: [u32; 2], pressed_n: f64) {
             assert_eq!(force_n.to_bits(), own_n.to_bits(), "key {key} in step {n}: {force_n} and {own_n}");
             loudest_n = loudest_n.max(force_n.abs());
         }
-        assert_eq!(unsafe { erard_keyboard_bridge_sum(keyboard.0, &raw mut force_n) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_keyboard_total_bridge_force(keyboard.0, &raw mut force_n) }, ErardStatus::Ok);
         assert_eq!(force_n.to_bits(), keys.bridge_n().to_bits(), "all keys in step {n}");
         alone.force(finger_n);
         beside.step(Input::Force(finger_n));
-        assert_eq!(unsafe { erard_bridge_force(alone.0, &raw mut force_n) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_action_bridge_force(alone.0, &raw mut force_n) }, ErardStatus::Ok);
         assert_eq!(force_n.to_bits(), beside.strings().unwrap().bridge_n().to_bits(), "step {n}");
     }
     assert!(impacts == 3 && loudest_n > 1.0, "{impacts} impacts, {loudest_n} N");
@@ -373,9 +373,9 @@ fn chord_is_heard([leave, end]: [u32; 2], pressed_n: f64) {
     unsafe {
         assert_eq!(erard_keyboard_bridge_force(keyboard.0, 89, &raw mut force_n), ErardStatus::NoSuch);
         assert_eq!(erard_keyboard_bridge_force(keyboard.0, 40, null_mut()), ErardStatus::Null);
-        assert_eq!(erard_bridge_force(null_mut(), &raw mut force_n), ErardStatus::Null);
-        assert_eq!(erard_keyboard_bridge_sum(null_mut(), &raw mut force_n), ErardStatus::Null);
-        assert_eq!(erard_keyboard_bridge_sum(keyboard.0, null_mut()), ErardStatus::Null);
+        assert_eq!(erard_action_bridge_force(null_mut(), &raw mut force_n), ErardStatus::Null);
+        assert_eq!(erard_keyboard_total_bridge_force(null_mut(), &raw mut force_n), ErardStatus::Null);
+        assert_eq!(erard_keyboard_total_bridge_force(keyboard.0, null_mut()), ErardStatus::Null);
         // A key's instrument by the keyboard's name: the same as of the file.
         let mut status = ErardStatus::Ok;
         let instrument = erard_instrument_of_keyboard(name.as_ptr(), 47, &raw mut status);
@@ -396,7 +396,7 @@ fn chord_is_heard([leave, end]: [u32; 2], pressed_n: f64) {
 #[test]
 fn a_keyboard_plays() {
     let keyboard = Keyboard::new();
-    assert_eq!(unsafe { (erard_keyboard_keys(keyboard.0), erard_keyboard_awake(keyboard.0)) }, (88, 0));
+    assert_eq!(unsafe { (erard_keyboard_key_count(keyboard.0), erard_keyboard_awake_count(keyboard.0)) }, (88, 0));
     keyboard.step(100);
     let began_s = keyboard.read(40).time_s;
     assert!((began_s - 5e-3).abs() < 1e-12);
@@ -427,7 +427,7 @@ fn a_keyboard_plays() {
         }
         assert!(n < 4000, "no two impacts");
     }
-    assert_eq!(unsafe { erard_keyboard_awake(keyboard.0) }, 2);
+    assert_eq!(unsafe { erard_keyboard_awake_count(keyboard.0) }, 2);
     let mine = impacts.iter().find(|impact| impact.key == 40).expect("key 40 sounds");
     let (_, impact) = alone_impact.expect("alone, too");
     assert_eq!(mine.hammer_speed_m_per_s.to_bits(), impact.hammer_speed_m_per_s.to_bits());
@@ -460,7 +460,7 @@ fn a_keyboard_plays() {
     keyboard.drive(40, 0.0);
     keyboard.drive(41, 0.0);
     keyboard.step(40_000);
-    assert_eq!(unsafe { erard_keyboard_awake(keyboard.0) }, 0, "what was let go sleeps");
+    assert_eq!(unsafe { erard_keyboard_awake_count(keyboard.0) }, 0, "what was let go sleeps");
 }
 
 /// A state has lists with names: a native snapshot is a state that lacks the interface's own, and a state is a snapshot

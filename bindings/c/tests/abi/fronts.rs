@@ -14,12 +14,18 @@ const NO: &str = "";
 
 /// What is offered, and by which name in each front.
 const TABLE: [(&str, [&str; 6]); 10] = [
-    ("a hand: mass and muscle", ["Input::Hand", "Hand", "ERARD_HAND", "place_hand", "hand_mass", "erard_stroke_new"]),
+    (
+        "a hand: mass and muscle",
+        ["Input::Hand", "Hand", "ERARD_INPUT_HAND", "place_hand", "hand_mass", "erard_stroke_new"],
+    ),
     (
         "the key front's own motion",
-        ["Input::Rigid", "rigid", "erard_step_rigid", "rigid", "position", "erard_step_rigid"],
+        ["Input::Rigid", "rigid", "erard_action_step_rigid", "rigid", "position", "erard_action_step_rigid"],
     ),
-    ("sustain pedal", ["Action::set_pedal", "set_pedal", "erard_set_pedal", "set_pedal", "pedal", "erard_set_pedal"]),
+    (
+        "sustain pedal",
+        ["Action::set_pedal", "set_pedal", "erard_action_set_pedal", "set_pedal", "pedal", "erard_action_set_pedal"],
+    ),
     (
         "88 keys played together",
         ["Keys::step", "Keys", "erard_keyboard_step", "Keyboard", "key[40].force", "erard_keyboard_step"],
@@ -28,26 +34,29 @@ const TABLE: [(&str, [&str; 6]); 10] = [
         "keyboards with strings, by name",
         ["Keyboard::builtin", "keyboard", "erard_keyboard_builtin", "builtin", "--keyboard", "erard_keyboard_builtin"],
     ),
-    ("force on the string", ["Reading::string_n", "string_n", "string_n", "reading", "string_force", "erard_read"]),
+    (
+        "force on the string",
+        ["Reading::string_n", "string_n", "string_n", "reading", "string_force", "erard_action_read"],
+    ),
     (
         "force on the bridge",
         [
             "Strings::bridge_n",
             "bridge_n",
-            "erard_bridge_force",
+            "erard_action_bridge_force",
             "bridge_force",
             "bridge_force",
-            "erard_keyboard_bridge_sum",
+            "erard_keyboard_total_bridge_force",
         ],
     ),
-    ("saved states", ["Action::save", "save", "erard_save", "save", "fmi2GetFMUstate", "erard_save"]),
+    ("saved states", ["Action::save", "save", "erard_action_save", "save", "fmi2GetFMUstate", "erard_action_save"]),
     (
         "causes from one's own readings of a key",
         ["diagnose", "diagnose", "erard_diagnose", "diagnose", NO, "erard_diagnose"],
     ),
     (
         "a body's mass with its inertia, by one name",
-        ["Parameter::Mass", "vary", "erard_instrument_vary", "vary", "body.hammer.mass", "erard_turned"],
+        ["Parameter::Mass", "vary", "erard_instrument_vary", "vary", "body.hammer.mass", "erard_instrument_with_dials"],
     ),
 ];
 

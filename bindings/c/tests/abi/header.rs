@@ -12,7 +12,7 @@ const SOURCES: [&str; 11] = [
     "halving.rs",
     "instrument.rs",
     "workshop.rs",
-    "watch.rs",
+    "event_detector.rs",
     "stroke.rs",
 ];
 

@@ -51,37 +51,37 @@ impl Action {
 
     pub(crate) fn force(&self, force_n: f64) -> ErardReading {
         let mut reading = ErardReading::default();
-        assert_eq!(unsafe { erard_step_force(self.0, force_n, &raw mut reading) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_action_step_force(self.0, force_n, &raw mut reading) }, ErardStatus::Ok);
         reading
     }
 
     pub(crate) fn advance(&self, dt_s: f64, input: ErardInput) -> ErardReading {
         let mut reading = ErardReading::default();
-        assert_eq!(unsafe { erard_advance(self.0, dt_s, &raw const input, &raw mut reading) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_action_advance(self.0, dt_s, &raw const input, &raw mut reading) }, ErardStatus::Ok);
         reading
     }
 
     pub(crate) fn read(&self) -> ErardReading {
         let mut reading = ErardReading::default();
-        assert_eq!(unsafe { erard_read(self.0, &raw mut reading) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_action_read(self.0, &raw mut reading) }, ErardStatus::Ok);
         reading
     }
 
     pub(crate) fn save(&self) -> Vec<u8> {
         let mut size = 0;
-        assert_eq!(unsafe { erard_save(self.0, null_mut(), &raw mut size) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_action_save(self.0, null_mut(), &raw mut size) }, ErardStatus::Ok);
         let mut bytes = vec![0; size];
-        assert_eq!(unsafe { erard_save(self.0, bytes.as_mut_ptr(), &raw mut size) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_action_save(self.0, bytes.as_mut_ptr(), &raw mut size) }, ErardStatus::Ok);
         bytes
     }
 
     pub(crate) fn restore(&self, bytes: &[u8]) -> ErardStatus {
-        unsafe { erard_restore(self.0, bytes.as_ptr(), bytes.len()) }
+        unsafe { erard_action_restore(self.0, bytes.as_ptr(), bytes.len()) }
     }
 
     pub(crate) fn angles(&self) -> Vec<u64> {
-        let mut angles = vec![0.0; unsafe { erard_body_count(self.0) }];
-        assert_eq!(unsafe { erard_angles(self.0, angles.as_mut_ptr(), angles.len()) }, ErardStatus::Ok);
+        let mut angles = vec![0.0; unsafe { erard_action_body_count(self.0) }];
+        assert_eq!(unsafe { erard_action_angles(self.0, angles.as_mut_ptr(), angles.len()) }, ErardStatus::Ok);
         angles.iter().map(|angle| angle.to_bits()).collect()
     }
 }
@@ -105,9 +105,9 @@ pub(crate) fn taken(text: *mut std::ffi::c_char) -> String {
 }
 
 pub(crate) fn moving(position_m: f64, velocity_m_per_s: f64) -> ErardInput {
-    ErardInput { kind: ERARD_MOTION, position_m, velocity_m_per_s, ..ErardInput::default() }
+    ErardInput { kind: ERARD_INPUT_MOTION, position_m, velocity_m_per_s, ..ErardInput::default() }
 }
 
 pub(crate) fn pushed(force_n: f64) -> ErardInput {
-    ErardInput { kind: ERARD_FORCE, force_n, ..ErardInput::default() }
+    ErardInput { kind: ERARD_INPUT_FORCE, force_n, ..ErardInput::default() }
 }

@@ -18,28 +18,28 @@ fn an_action_takes_none() {
         for n in 0..20_000_u32 {
             let force_n = if n / 5000 % 2 == 0 { 6.0 } else { 0.0 };
             let status = match n / 1000 % 4 {
-                0 => erard_step_force(action.0, force_n, &raw mut r),
-                1 => erard_step_motion(action.0, 0.004, 0.0, &raw mut r),
-                2 => erard_step_rigid(action.0, r.key_m, 0.0, &raw mut r),
-                _ => erard_step_free(action.0, &raw mut r),
+                0 => erard_action_step_force(action.0, force_n, &raw mut r),
+                1 => erard_action_step_motion(action.0, 0.004, 0.0, &raw mut r),
+                2 => erard_action_step_rigid(action.0, r.key_m, 0.0, &raw mut r),
+                _ => erard_action_step_free(action.0, &raw mut r),
             };
             assert!(status as i32 >= 0);
             if n % 100 == 0 {
                 let input = if n % 200 == 0 { pushed(force_n) } else { moving(0.002, 0.01) };
-                assert!(erard_advance(action.0, 1e-3, &raw const input, &raw mut r) as i32 >= 0);
-                erard_advance(action.0, f64::NAN, &raw const input, &raw mut r);
-                erard_read(action.0, &raw mut r);
-                erard_angles(action.0, numbers.as_mut_ptr(), numbers.len());
-                erard_velocities(action.0, numbers.as_mut_ptr(), numbers.len());
-                erard_contact_forces(action.0, numbers.as_mut_ptr(), numbers.len());
-                assert_eq!(erard_save(action.0, bytes.as_mut_ptr(), &raw mut size), ErardStatus::Ok);
-                assert_eq!(erard_restore(action.0, bytes.as_ptr(), size), ErardStatus::Ok);
-                assert_eq!(erard_restore(action.0, bytes.as_ptr(), size - 1), ErardStatus::Saved);
-                assert!(!erard_body_name(action.0, 0).is_null() && !erard_status_text(-3).is_null());
+                assert!(erard_action_advance(action.0, 1e-3, &raw const input, &raw mut r) as i32 >= 0);
+                erard_action_advance(action.0, f64::NAN, &raw const input, &raw mut r);
+                erard_action_read(action.0, &raw mut r);
+                erard_action_angles(action.0, numbers.as_mut_ptr(), numbers.len());
+                erard_action_velocities(action.0, numbers.as_mut_ptr(), numbers.len());
+                erard_action_contact_forces(action.0, numbers.as_mut_ptr(), numbers.len());
+                assert_eq!(erard_action_save(action.0, bytes.as_mut_ptr(), &raw mut size), ErardStatus::Ok);
+                assert_eq!(erard_action_restore(action.0, bytes.as_ptr(), size), ErardStatus::Ok);
+                assert_eq!(erard_action_restore(action.0, bytes.as_ptr(), size - 1), ErardStatus::Saved);
+                assert!(!erard_action_body_name(action.0, 0).is_null() && !erard_status_text(-3).is_null());
             }
         }
         assert!(r.impact_count > 0);
-        assert_eq!(erard_reset(action.0), ErardStatus::Ok);
+        assert_eq!(erard_action_reset(action.0), ErardStatus::Ok);
     });
     assert_eq!((counted.count_total, counted.bytes_total), (0, 0), "{counted:?}");
 }

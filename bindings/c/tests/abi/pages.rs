@@ -28,7 +28,7 @@ fn builtin(name: &str) -> Owned {
 
 fn check(text: &[u8]) -> Value {
     let mut length = 0;
-    let json = unsafe { erard_check(text.as_ptr().cast::<c_char>(), text.len(), &raw mut length, null_mut()) };
+    let json = unsafe { erard_file_check(text.as_ptr().cast::<c_char>(), text.len(), &raw mut length, null_mut()) };
     let json = taken(json);
     assert_eq!(json.len(), length);
     serde_json::from_str(&json).expect("JSON")
@@ -61,7 +61,7 @@ fn texts_are_checked() {
     let no_text = check(b"\xff");
     assert_eq!((&no_text["sound"], &no_text["errors"][0]["line"]), (&false.into(), &1.into()), "{no_text}");
 
-    let known: Value = serde_json::from_str(&taken(erard_builtin(null_mut(), null_mut()))).unwrap();
+    let known: Value = serde_json::from_str(&taken(erard_builtin_names(null_mut(), null_mut()))).unwrap();
     for name in Instrument::builtin_names() {
         assert!(known["instruments"].as_array().unwrap().contains(&name.into()), "{known}");
     }
@@ -147,7 +147,7 @@ fn numbers_are_looked_up_and_changed() {
         }
         action.read().hammer_speed_m_per_s
     };
-    let (light, heavy) = (Action::grand(), unsafe { erard_action_of(grand.0, 50e-6, null_mut()) });
+    let (light, heavy) = (Action::grand(), unsafe { erard_action_of_instrument(grand.0, 50e-6, null_mut()) });
     for _ in 0..3000 {
         light.force(5.0);
     }
@@ -176,7 +176,7 @@ fn the_picture_is_the_commands() {
     let angles: Vec<f64> = action.angles().into_iter().map(f64::from_bits).collect();
     let draw = |angles: &[f64], px: f64, labels: u32, status: &mut ErardStatus| unsafe {
         let numbers = if angles.is_empty() { null() } else { angles.as_ptr() };
-        erard_draw(grand.0, numbers, angles.len(), px, labels, null_mut(), &raw mut *status)
+        erard_instrument_draw(grand.0, numbers, angles.len(), px, labels, null_mut(), &raw mut *status)
     };
     let native = Instrument::builtin("concert-grand").unwrap();
     let mut status = ErardStatus::Ok;
@@ -207,7 +207,8 @@ unsafe extern "C" fn stop(_: f64, user: *mut c_void) -> i32 {
 fn a_technician_measures() {
     let grand = builtin("concert-grand");
     let wanted = c"dip_mm, down_weight_g,strike_weight_g";
-    let measured = unsafe { erard_measure(grand.0, 0, wanted.as_ptr(), None, null_mut(), null_mut(), null_mut()) };
+    let measured =
+        unsafe { erard_instrument_measure(grand.0, 0, wanted.as_ptr(), None, null_mut(), null_mut(), null_mut()) };
     let measured: Value = serde_json::from_str(&taken(measured)).unwrap();
     let native = Instrument::builtin("concert-grand").unwrap();
     let lines: Vec<_> = erard_workshop::measure::norms::lines()
@@ -222,12 +223,12 @@ fn a_technician_measures() {
     let place = &raw mut status;
     unsafe {
         let unknown = c"dip_mm,dap_mm".as_ptr();
-        assert!(erard_measure(grand.0, 0, unknown, None, null_mut(), null_mut(), place).is_null());
+        assert!(erard_instrument_measure(grand.0, 0, unknown, None, null_mut(), null_mut(), place).is_null());
         assert_eq!(status, ErardStatus::NoSuch);
         assert!(last_error().contains("dap_mm") && last_error().contains("let_off_mm"), "{}", last_error());
         let mut asked = 0_u32;
         let user = (&raw mut asked).cast::<c_void>();
-        assert!(erard_measure(grand.0, 0, null(), Some(stop), user, null_mut(), place).is_null());
+        assert!(erard_instrument_measure(grand.0, 0, null(), Some(stop), user, null_mut(), place).is_null());
         assert!(status == ErardStatus::Interrupted && asked > 0, "{status:?}");
     }
 }
@@ -247,15 +248,23 @@ fn a_sheet_knows_its_key() {
         let lowest = erard_instrument_of_key(a0, place);
         assert_eq!(erard_instrument_set(lowest, c"gravity_m_s2".as_ptr(), 0, 9.8), ErardStatus::Ok);
         let sheet = |key: u32| -> Value {
-            serde_json::from_str(&taken(erard_measure(lowest, key, null(), None, null_mut(), null_mut(), null_mut())))
-                .unwrap()
+            serde_json::from_str(&taken(erard_instrument_measure(
+                lowest,
+                key,
+                null(),
+                None,
+                null_mut(),
+                null_mut(),
+                null_mut(),
+            )))
+            .unwrap()
         };
         let own = sheet(0);
         assert_eq!(own["norms_for_key"], 1);
-        assert!(erard_measure(lowest, 40, null(), None, null_mut(), null_mut(), place).is_null());
+        assert!(erard_instrument_measure(lowest, 40, null(), None, null_mut(), null_mut(), place).is_null());
         assert_eq!(status, ErardStatus::Argument);
         assert!(last_error().contains("that of key 1 (A0)"), "{}", last_error());
-        assert!(erard_measure(lowest, 89, null(), None, null_mut(), null_mut(), place).is_null());
+        assert!(erard_instrument_measure(lowest, 89, null(), None, null_mut(), null_mut(), place).is_null());
         assert_eq!(status, ErardStatus::NoSuch);
         erard_instrument_free(lowest);
     }
@@ -267,7 +276,9 @@ fn screws_are_turned() {
     let heavy = builtin("heavy-touch");
     let mut status = ErardStatus::Internal;
     let goals = CString::new(r#"{"let-off": 2.0}"#).unwrap();
-    let text = taken(unsafe { erard_regulate(heavy.0, goals.as_ptr(), None, null_mut(), null_mut(), &raw mut status) });
+    let text = taken(unsafe {
+        erard_instrument_regulate(heavy.0, goals.as_ptr(), None, null_mut(), null_mut(), &raw mut status)
+    });
     assert_eq!(status, ErardStatus::Ok);
     let json: Value = serde_json::from_str(&text).unwrap();
     assert_eq!((&json["all_met"], &json["goals"][0]["goal"]), (&true.into(), &"let-off".into()), "{json}");
@@ -282,7 +293,9 @@ fn screws_are_turned() {
         ("{", "JSON"),
     ] {
         let goals = CString::new(goals).unwrap();
-        let none = unsafe { erard_regulate(heavy.0, goals.as_ptr(), None, null_mut(), null_mut(), &raw mut status) };
+        let none = unsafe {
+            erard_instrument_regulate(heavy.0, goals.as_ptr(), None, null_mut(), null_mut(), &raw mut status)
+        };
         assert!(none.is_null() && status == ErardStatus::Argument, "{status:?}");
         assert!(last_error().contains(words), "{}", last_error());
     }
@@ -340,7 +353,7 @@ fn own_readings_are_diagnosed() {
     }
 
     // Every name of the form is one that is understood, with its own usual range at the key.
-    let form = serde_json::from_str::<Value>(&taken(erard_diagnosable(40, null_mut(), null_mut()))).unwrap();
+    let form = serde_json::from_str::<Value>(&taken(erard_diagnose_quantities(40, null_mut(), null_mut()))).unwrap();
     for line in form.as_array().unwrap() {
         let name = line["name"].as_str().unwrap();
         let middle = (line["limits"][0].as_f64().unwrap() + line["limits"][1].as_f64().unwrap()) / 2.0;
@@ -348,5 +361,5 @@ fn own_readings_are_diagnosed() {
     }
     assert_eq!(form[0]["usual"], serde_json::json!([45.0, 55.0]));
     let mut status = ErardStatus::Ok;
-    assert!(erard_diagnosable(0, null_mut(), &raw mut status).is_null() && status == ErardStatus::NoSuch);
+    assert!(erard_diagnose_quantities(0, null_mut(), &raw mut status).is_null() && status == ErardStatus::NoSuch);
 }

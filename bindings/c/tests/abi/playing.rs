@@ -47,7 +47,7 @@ fn pressed(instrument: &Instrument, nuance: &str, touch: Touch) -> Run {
 #[test]
 fn strokes_are_those_of_press() {
     let (grand, native) = (Owned::grand(), Instrument::builtin("concert-grand").unwrap());
-    let watch = unsafe { erard_watch_new(grand.0, null_mut()) };
+    let detector = unsafe { erard_event_detector_new(grand.0, null_mut()) };
     for nuance in NUANCES {
         for touch in [Touch::Pressed, Touch::Struck] {
             let run = pressed(&native, nuance, touch);
@@ -60,14 +60,14 @@ fn strokes_are_those_of_press() {
             let mut reading = ErardReading::default();
             let mut contacts = vec![0.0; 5 * native.zones.len()];
             unsafe {
-                assert_eq!(erard_watch_again(watch), ErardStatus::Ok);
-                assert_eq!(erard_keep_contacts(action.0), ErardStatus::Ok);
-                assert_eq!(erard_watch_look(watch, action.0), ErardStatus::Ok);
+                assert_eq!(erard_event_detector_reset(detector), ErardStatus::Ok);
+                assert_eq!(erard_action_record_contacts(action.0), ErardStatus::Ok);
+                assert_eq!(erard_event_detector_observe(detector, action.0), ErardStatus::Ok);
             }
             for row in 1..run.time_s.len() {
                 unsafe {
-                    assert!(erard_step_stroke(action.0, stroke, &raw mut reading) as i32 >= 0);
-                    assert_eq!(erard_watch_look(watch, action.0), ErardStatus::Ok);
+                    assert!(erard_action_step_stroke(action.0, stroke, &raw mut reading) as i32 >= 0);
+                    assert_eq!(erard_event_detector_observe(detector, action.0), ErardStatus::Ok);
                 }
                 let expected: Vec<u64> = run.bodies.iter().map(|body| body.angle_rad[row].to_bits()).collect();
                 assert_eq!(action.angles(), expected, "{nuance} {} row {row}", touch.name());
@@ -83,10 +83,10 @@ fn strokes_are_those_of_press() {
                 force_before = reading.finger_n;
                 // Every hundredth row: where what pushes does.
                 if row % 100 == 0 {
-                    let status = unsafe { erard_contacts(action.0, contacts.as_mut_ptr(), contacts.len()) };
+                    let status = unsafe { erard_action_contacts(action.0, contacts.as_mut_ptr(), contacts.len()) };
                     assert_eq!(status, ErardStatus::Ok);
                     let mut forces = vec![0.0; native.zones.len()];
-                    unsafe { erard_contact_forces(action.0, forces.as_mut_ptr(), forces.len()) };
+                    unsafe { erard_action_contact_forces(action.0, forces.as_mut_ptr(), forces.len()) };
                     for (zone, five) in contacts.chunks(5).enumerate() {
                         assert_eq!(five[0].to_bits(), forces[zone].to_bits());
                         let place = run.zones[zone].contact[row].map(f64::from);
@@ -110,7 +110,7 @@ fn strokes_are_those_of_press() {
                 free_flight_s: 0.0,
                 key_bottom_after_impact_s: 0.0,
             };
-            assert_eq!(unsafe { erard_watch_read(watch, &raw mut seen) }, ErardStatus::Ok);
+            assert_eq!(unsafe { erard_event_detector_read(detector, &raw mut seen) }, ErardStatus::Ok);
             let e = &run.events;
             for (found, expected) in [
                 (seen.key_start_s, e.key_start_s),
@@ -133,7 +133,7 @@ fn strokes_are_those_of_press() {
             unsafe { erard_stroke_free(stroke) };
         }
     }
-    unsafe { erard_watch_free(watch) };
+    unsafe { erard_event_detector_free(detector) };
 }
 
 /// A recording drives by its force; what is wrong with it is said with its line; it can be played again.
@@ -151,7 +151,7 @@ fn recordings_are_played() {
     for _ in 0..2 {
         let action = Action::grand();
         for _ in 0..4000 {
-            assert!(unsafe { erard_step_stroke(action.0, stroke, null_mut()) } as i32 >= 0);
+            assert!(unsafe { erard_action_step_stroke(action.0, stroke, null_mut()) } as i32 >= 0);
         }
         speeds.push(action.read().hammer_speed_m_per_s.to_bits());
         assert_eq!(unsafe { erard_stroke_rewind(stroke) }, ErardStatus::Ok);
@@ -167,7 +167,7 @@ fn recordings_are_played() {
     assert_eq!(status, ErardStatus::Ok, "{}", last_error());
     let action = Action::grand();
     let before = action.save();
-    assert_eq!(unsafe { erard_step_stroke(action.0, wild, null_mut()) }, ErardStatus::Range);
+    assert_eq!(unsafe { erard_action_step_stroke(action.0, wild, null_mut()) }, ErardStatus::Range);
     assert_eq!(action.save(), before);
     unsafe { erard_stroke_free(wild) };
     let place = &raw mut status;
@@ -176,14 +176,14 @@ fn recordings_are_played() {
 }
 
 fn dials_of(instrument: *const ErardInstrument) -> Vec<Value> {
-    let text = taken(unsafe { erard_dials(instrument, null_mut(), null_mut()) });
+    let text = taken(unsafe { erard_instrument_dials(instrument, null_mut(), null_mut()) });
     serde_json::from_str(&text).expect("JSON")
 }
 
 fn turned(instrument: *const ErardInstrument, turns: &Value) -> Result<Owned, (ErardStatus, String)> {
     let mut status = ErardStatus::Internal;
     let turns = CString::new(turns.to_string()).unwrap();
-    let made = unsafe { erard_turned(instrument, turns.as_ptr(), &raw mut status) };
+    let made = unsafe { erard_instrument_with_dials(instrument, turns.as_ptr(), &raw mut status) };
     if made.is_null() { Err((status, last_error())) } else { Ok(Owned(made)) }
 }
 
@@ -272,13 +272,15 @@ fn spread_mm(instrument: &Instrument) -> f64 {
 fn scenes_sheets_and_trials() {
     let grand = Owned::grand();
     let native = Instrument::builtin("concert-grand").unwrap();
-    let scene: Value = serde_json::from_str(&taken(unsafe { erard_scene(grand.0, null_mut(), null_mut()) })).unwrap();
+    let scene: Value =
+        serde_json::from_str(&taken(unsafe { erard_instrument_drawing_json(grand.0, null_mut(), null_mut()) }))
+            .unwrap();
     assert_eq!(scene, erard_figures::page::scene(&native));
     assert_eq!(scene["bodies"].as_array().unwrap().len(), native.bodies.len());
     assert_eq!(scene["zones"].as_array().unwrap().len(), native.zones.len());
     assert!(scene["shapes"].as_str().unwrap().contains("data-body") && scene["labels"].as_array().unwrap().len() > 10);
 
-    let sheet: Value = serde_json::from_str(&taken(erard_sheet(40, null_mut(), null_mut()))).unwrap();
+    let sheet: Value = serde_json::from_str(&taken(erard_sheet_lines(40, null_mut(), null_mut()))).unwrap();
     let keys: Vec<&str> = sheet
         .as_array()
         .unwrap()
@@ -287,10 +289,11 @@ fn scenes_sheets_and_trials() {
         .collect();
     assert_eq!(keys, erard_workshop::measure::norms::lines().map(|line| line.key).collect::<Vec<_>>());
     let mut status = ErardStatus::Ok;
-    assert!(erard_sheet(89, null_mut(), &raw mut status).is_null() && status == ErardStatus::NoSuch);
+    assert!(erard_sheet_lines(89, null_mut(), &raw mut status).is_null() && status == ErardStatus::NoSuch);
 
     let tried = |instrument: *const ErardInstrument| -> Value {
-        serde_json::from_str(&taken(unsafe { erard_try(instrument, null_mut(), null_mut()) })).unwrap()
+        serde_json::from_str(&taken(unsafe { erard_instrument_test_press(instrument, null_mut(), null_mut()) }))
+            .unwrap()
     };
     let sound = tried(grand.0);
     assert!(sound["hammer_speed_m_per_s"].as_f64().unwrap() > 1.0 && sound["warnings"] == json!([]), "{sound}");
@@ -301,45 +304,45 @@ fn scenes_sheets_and_trials() {
     assert_eq!(file.instrument.bodies.len(), native.bodies.len());
 }
 
-/// NULL everywhere, too little room, another instrument's watch: a status, and nothing happens.
+/// NULL everywhere, too little room, another instrument's event detector: a status, and nothing happens.
 #[test]
 fn bad_callers_of_a_player() {
     let (grand, action) = (Owned::grand(), Action::grand());
     let mut status = ErardStatus::Ok;
     let place = &raw mut status;
     unsafe {
-        assert!(erard_watch_new(null(), place).is_null() && status == ErardStatus::Null);
+        assert!(erard_event_detector_new(null(), place).is_null() && status == ErardStatus::Null);
         for status in [
-            erard_watch_again(null_mut()),
-            erard_watch_look(null_mut(), action.0),
-            erard_watch_read(null(), null_mut()),
-            erard_keep_contacts(null_mut()),
-            erard_contacts(null(), null_mut(), 0),
-            erard_contacts(action.0, null_mut(), 0),
+            erard_event_detector_reset(null_mut()),
+            erard_event_detector_observe(null_mut(), action.0),
+            erard_event_detector_read(null(), null_mut()),
+            erard_action_record_contacts(null_mut()),
+            erard_action_contacts(null(), null_mut(), 0),
+            erard_action_contacts(action.0, null_mut(), 0),
             erard_stroke_rewind(null_mut()),
-            erard_step_stroke(null_mut(), null_mut(), null_mut()),
-            erard_step_stroke(action.0, null_mut(), null_mut()),
+            erard_action_step_stroke(null_mut(), null_mut(), null_mut()),
+            erard_action_step_stroke(action.0, null_mut(), null_mut()),
         ] {
             assert_eq!(status, ErardStatus::Null);
         }
         let mut small = [0.0; 4];
-        assert_eq!(erard_contacts(action.0, small.as_mut_ptr(), 4), ErardStatus::Size);
+        assert_eq!(erard_action_contacts(action.0, small.as_mut_ptr(), 4), ErardStatus::Size);
         let rigid = Owned(erard_instrument_builtin(c"concert-grand-rigid".as_ptr(), null_mut()));
-        let watch = erard_watch_new(rigid.0, null_mut());
-        assert_eq!(erard_watch_look(watch, action.0), ErardStatus::Foreign);
-        erard_watch_free(watch);
-        erard_watch_free(null_mut());
+        let detector = erard_event_detector_new(rigid.0, null_mut());
+        assert_eq!(erard_event_detector_observe(detector, action.0), ErardStatus::Foreign);
+        erard_event_detector_free(detector);
+        erard_event_detector_free(null_mut());
         erard_stroke_free(null_mut());
-        assert_eq!((erard_rests(null()), erard_stroke_duration(null())), (0, 0.0));
-        assert_eq!(erard_rests(action.0), 0);
+        assert_eq!((erard_action_is_asleep(null()), erard_stroke_duration(null())), (0, 0.0));
+        assert_eq!(erard_action_is_asleep(action.0), 0);
         for _ in 0..10 {
-            erard_step_free(action.0, null_mut());
+            erard_action_step_free(action.0, null_mut());
         }
-        assert_eq!(erard_rests(action.0), 1);
-        for call in [erard_scene, erard_dials, erard_try] {
+        assert_eq!(erard_action_is_asleep(action.0), 1);
+        for call in [erard_instrument_drawing_json, erard_instrument_dials, erard_instrument_test_press] {
             assert!(call(null(), null_mut(), place).is_null() && status == ErardStatus::Null);
         }
-        assert!(erard_turned(grand.0, null(), place).is_null() && status == ErardStatus::Null);
+        assert!(erard_instrument_with_dials(grand.0, null(), place).is_null() && status == ErardStatus::Null);
         assert!(CStr::from_ptr(erard_last_error()).to_str().is_ok_and(|text| text.contains("NULL")));
     }
 }
@@ -362,10 +365,10 @@ fn recordings_are_made_ready() {
         let place = &raw mut *status;
         let stroke = unsafe { erard_stroke_new(grand.0, text.as_ptr().cast(), text.len(), place) };
         assert_eq!(*status, ErardStatus::Ok, "{}", last_error());
-        let told = taken(unsafe { erard_stroke_told(stroke, null_mut(), null_mut()) });
+        let told = taken(unsafe { erard_stroke_remarks(stroke, null_mut(), null_mut()) });
         let action = Action::grand();
         for _ in 0..8000 {
-            assert!(unsafe { erard_step_stroke(action.0, stroke, null_mut()) } as i32 >= 0);
+            assert!(unsafe { erard_action_step_stroke(action.0, stroke, null_mut()) } as i32 >= 0);
         }
         unsafe { erard_stroke_free(stroke) };
         (action.read().hammer_speed_m_per_s, told)
@@ -376,9 +379,9 @@ fn recordings_are_made_ready() {
     assert!(!said.contains("zero") || said.contains("0.0000 N"), "{said}");
     assert!(told.contains("force: zero: 0.7500 N subtracted"), "{told}");
     let stroke = unsafe { erard_stroke_builtin(grand.0, c"mf".as_ptr(), 0, null_mut()) };
-    assert_eq!(taken(unsafe { erard_stroke_told(stroke, null_mut(), null_mut()) }), "");
+    assert_eq!(taken(unsafe { erard_stroke_remarks(stroke, null_mut(), null_mut()) }), "");
     unsafe { erard_stroke_free(stroke) };
-    assert!(unsafe { erard_stroke_told(null(), null_mut(), &raw mut status) }.is_null());
+    assert!(unsafe { erard_stroke_remarks(null(), null_mut(), &raw mut status) }.is_null());
     assert_eq!(status, ErardStatus::Null);
 }
 
@@ -408,16 +411,20 @@ fn columns_are_found() {
 fn a_hand_plays_as_in_rust() {
     let mut action = erard::Action::new(&erard::Instrument::builtin("concert-grand").unwrap()).unwrap();
     let hand = erard::player::Hand { mass_kg: 0.15, ..erard::player::Hand::default() };
-    let pressed =
-        |force_n: f64| ErardInput { kind: ERARD_HAND, force_n, hand_mass_kg: hand.mass_kg, ..ErardInput::default() };
+    let pressed = |force_n: f64| ErardInput {
+        kind: ERARD_INPUT_HAND,
+        force_n,
+        hand_mass_kg: hand.mass_kg,
+        ..ErardInput::default()
+    };
     let own = Action::grand();
     let mut reading = ErardReading::default();
     action.place_hand(-1e-3, 0.4);
-    assert_eq!(unsafe { erard_place_hand(own.0, -1e-3, 0.4) }, ErardStatus::Ok);
+    assert_eq!(unsafe { erard_action_place_hand(own.0, -1e-3, 0.4) }, ErardStatus::Ok);
     for n in 0..1200 {
         let force_n = if n < 800 { 5.0 } else { -1.0 };
         let there = action.step(hand.input(&erard::Input::Force(force_n)).unwrap());
-        assert_eq!(unsafe { erard_step_input(own.0, &pressed(force_n), &mut reading) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_action_step_input(own.0, &pressed(force_n), &mut reading) }, ErardStatus::Ok);
         assert_eq!(
             (reading.key_m, reading.hand_m, reading.finger_n),
             (there.key_m, there.hand_m, there.finger_n),
@@ -431,9 +438,9 @@ fn a_hand_plays_as_in_rust() {
         ErardInput { hand_mass_kg: 0.0, ..pressed(1.0) },
         ErardInput { muscle_n_per_m: -1.0, ..pressed(1.0) },
     ] {
-        assert!((unsafe { erard_step_input(own.0, &wrong, &mut reading) } as i32) < 0, "{wrong:?}");
+        assert!((unsafe { erard_action_step_input(own.0, &wrong, &mut reading) } as i32) < 0, "{wrong:?}");
     }
-    assert!((unsafe { erard_place_hand(own.0, f64::INFINITY, 0.0) } as i32) < 0);
+    assert!((unsafe { erard_action_place_hand(own.0, f64::INFINITY, 0.0) } as i32) < 0);
     assert_eq!(reading, before);
 }
 
@@ -446,19 +453,19 @@ fn steps_are_whole_where_the_caller_says_so() {
     let instrument = Instrument::builtin("concert-grand-strings").expect("built in");
     let mut found = Vec::new();
     for (kind, halving) in [
-        (ERARD_HALVE_AS_ASKED, erard::mechanism::Halving::AsAsked),
-        (ERARD_HALVE_NEVER, erard::mechanism::Halving::Never),
+        (ERARD_HALVING_AUTO, erard::mechanism::Halving::AsAsked),
+        (ERARD_HALVING_NEVER, erard::mechanism::Halving::Never),
     ] {
         let own = unsafe { erard_action_new(text.as_ptr().cast(), text.len(), step_s, null_mut()) };
         assert!(!own.is_null(), "{}", last_error());
-        assert_eq!(unsafe { erard_halve(own, kind) }, ErardStatus::Ok);
-        assert_eq!(unsafe { erard_halve(own, 7) }, ErardStatus::Argument);
-        assert!(last_error().contains("ERARD_HALVE_NEVER"), "{}", last_error());
+        assert_eq!(unsafe { erard_action_set_halving(own, kind) }, ErardStatus::Ok);
+        assert_eq!(unsafe { erard_action_set_halving(own, 7) }, ErardStatus::Argument);
+        assert!(last_error().contains("ERARD_HALVING_NEVER"), "{}", last_error());
         let mut action = erard::Action::new(&instrument).expect("it rests");
         action.halve(halving);
         let mut reading = ErardReading::default();
         for _ in 0..2400 {
-            assert_eq!(unsafe { erard_step_force(own, 8.0, &raw mut reading) }, ErardStatus::Ok);
+            assert_eq!(unsafe { erard_action_step_force(own, 8.0, &raw mut reading) }, ErardStatus::Ok);
             action.step(erard::Input::Force(8.0));
         }
         let now = action.reading();
@@ -467,6 +474,6 @@ fn steps_are_whole_where_the_caller_says_so() {
         unsafe { erard_action_free(own) };
     }
     assert_ne!(found[0], found[1]);
-    assert_eq!(unsafe { erard_halve(null_mut(), ERARD_HALVE_NEVER) }, ErardStatus::Null);
-    assert_eq!(unsafe { erard_keyboard_halve(null_mut(), ERARD_HALVE_NEVER) }, ErardStatus::Null);
+    assert_eq!(unsafe { erard_action_set_halving(null_mut(), ERARD_HALVING_NEVER) }, ErardStatus::Null);
+    assert_eq!(unsafe { erard_keyboard_set_halving(null_mut(), ERARD_HALVING_NEVER) }, ErardStatus::Null);
 }

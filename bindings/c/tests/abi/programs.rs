@@ -284,7 +284,7 @@ mod nightly {
         let shared = bytes("liberard-rt.so.1");
         let has_name = |name: &[u8]| shared.windows(name.len()).any(|window| window == name);
         assert!(has_name(b"erard_keyboard_step") && has_name(b"liberard-rt.so.1"));
-        assert!(!has_name(b"erard_measure") && !has_name(b"fmi2DoStep"));
+        assert!(!has_name(b"erard_instrument_measure") && !has_name(b"fmi2DoStep"));
         let archive = config(&prefix, "erard-rt", &["--variable=archive"]);
         let said = |name: &str, linked: &[String]| {
             let program = folder.path().join("program");
@@ -330,7 +330,7 @@ int main() {
     }
     erard::Keyboard keyboard;
     ErardInput press{};
-    press.kind = ERARD_FORCE;
+    press.kind = ERARD_INPUT_FORCE;
     press.force_n = 8.0;
     if (keyboard.drive(40, press) < 0) return 7;
     ErardImpact impacts[4];

@@ -37,9 +37,13 @@ fn numbers_are_refused_as_by_the_other_fronts() {
                 unsafe { erard_action_free(action) };
                 !action.is_null()
             }
-            "live_force_n" => unsafe { erard_step_force(grand.0, number, null_mut()) == ErardStatus::Ok },
-            "live_position_m" => unsafe { erard_step_motion(grand.0, number, 0.0, null_mut()) == ErardStatus::Ok },
-            "live_speed_m_per_s" => unsafe { erard_step_motion(grand.0, 0.0, number, null_mut()) == ErardStatus::Ok },
+            "live_force_n" => unsafe { erard_action_step_force(grand.0, number, null_mut()) == ErardStatus::Ok },
+            "live_position_m" => unsafe {
+                erard_action_step_motion(grand.0, number, 0.0, null_mut()) == ErardStatus::Ok
+            },
+            "live_speed_m_per_s" => unsafe {
+                erard_action_step_motion(grand.0, 0.0, number, null_mut()) == ErardStatus::Ok
+            },
             // What is no whole number its type refuses.
             "key" => value.parse().is_ok_and(|key| made(erard_instrument_of_key(key, null_mut()))),
             "hammer_mass_factor" => varied("body.hammer.mass", &format!("*{value}")),

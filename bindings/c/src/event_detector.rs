@@ -11,10 +11,10 @@ use crate::instrument::{ErardInstrument, given};
 use crate::status::{ErardStatus, Fault, ended, tell, told};
 
 /// Event detector: observes an action step by step and finds the events of one press. It belongs to the caller until
-/// erard_watch_free.
-pub struct ErardWatch {
+/// erard_event_detector_free.
+pub struct ErardEventDetector {
     instrument: Instrument,
-    watch: EventDetector,
+    detector: EventDetector,
 }
 
 /// Events of one press. Times are s on the action's clock; events that have not happened are NaN.
@@ -45,36 +45,36 @@ pub struct ErardEvents {
 /// Makes an event detector for one press on an action of this instrument. Returns NULL if the instrument is NULL. Real
 /// time: no.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_watch_new(
+pub unsafe extern "C" fn erard_event_detector_new(
     instrument: *const ErardInstrument,
     status: *mut ErardStatus,
-) -> *mut ErardWatch {
+) -> *mut ErardEventDetector {
     told(null_mut(), status, || {
         // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it
         // meanwhile.
         let instrument = unsafe { given(instrument) }?.instrument();
-        Ok(Box::into_raw(Box::new(ErardWatch {
+        Ok(Box::into_raw(Box::new(ErardEventDetector {
             instrument: instrument.clone(),
-            watch: EventDetector::new(instrument),
+            detector: EventDetector::new(instrument),
         })))
     })
 }
 
 /// Frees an event detector. NULL does nothing. Real time: no.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_watch_free(watch: *mut ErardWatch) {
-    // SAFETY: `watch` is NULL, or comes from erard_watch_new, has not been freed, and is not used again.
-    unsafe { ended(watch) }
+pub unsafe extern "C" fn erard_event_detector_free(detector: *mut ErardEventDetector) {
+    // SAFETY: `detector` is NULL, or comes from erard_event_detector_new, has not been freed, and is not used again.
+    unsafe { ended(detector) }
 }
 
 /// Clears the events that were found, so that the next press can be observed. Real time: no.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_watch_again(watch: *mut ErardWatch) -> ErardStatus {
+pub unsafe extern "C" fn erard_event_detector_reset(detector: *mut ErardEventDetector) -> ErardStatus {
     tell(|| {
-        // SAFETY: `watch` is NULL, or comes from erard_watch_new, has not been freed, and no other call uses it
-        // meanwhile.
-        let own = unsafe { watch.as_mut() }.ok_or_else(|| Fault::null("the watch"))?;
-        own.watch = EventDetector::new(&own.instrument);
+        // SAFETY: `detector` is NULL, or comes from erard_event_detector_new, has not been freed, and no other call
+        // uses it meanwhile.
+        let own = unsafe { detector.as_mut() }.ok_or_else(|| Fault::null("the event detector"))?;
+        own.detector = EventDetector::new(&own.instrument);
         Ok(())
     })
 }
@@ -82,34 +82,40 @@ pub unsafe extern "C" fn erard_watch_again(watch: *mut ErardWatch) -> ErardStatu
 /// Observes the action once. Call it before the first step of a press and after every step. Returns
 /// ERARD_STATUS_FOREIGN if the action does not match the detector's instrument. Real time: no.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_watch_look(watch: *mut ErardWatch, action: *const ErardAction) -> ErardStatus {
+pub unsafe extern "C" fn erard_event_detector_observe(
+    detector: *mut ErardEventDetector,
+    action: *const ErardAction,
+) -> ErardStatus {
     tell(|| {
-        // SAFETY: `watch` is NULL, or comes from erard_watch_new, has not been freed, and no other call uses it
-        // meanwhile.
-        let own = unsafe { watch.as_mut() }.ok_or_else(|| Fault::null("the watch"))?;
-        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-        // call changes it meanwhile.
+        // SAFETY: `detector` is NULL, or comes from erard_event_detector_new, has not been freed, and no other call
+        // uses it meanwhile.
+        let own = unsafe { detector.as_mut() }.ok_or_else(|| Fault::null("the event detector"))?;
+        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed,
+        // and no other call changes it meanwhile.
         let action = unsafe { action.as_ref() }.ok_or_else(|| Fault::null("the action"))?;
         let played = &action.play.action;
         if played.angles().len() != own.instrument.bodies.len() || action.play.zones != own.instrument.zones.len() {
-            return Err(Fault::new(ErardStatus::Foreign, "the watch is another instrument's"));
+            return Err(Fault::new(ErardStatus::Foreign, "the event detector is another instrument's"));
         }
-        own.watch.observe_action(played);
+        own.detector.observe_action(played);
         Ok(())
     })
 }
 
 /// Writes the events found so far to `events`. Real time: no.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_watch_read(watch: *const ErardWatch, events: *mut ErardEvents) -> ErardStatus {
+pub unsafe extern "C" fn erard_event_detector_read(
+    detector: *const ErardEventDetector,
+    events: *mut ErardEvents,
+) -> ErardStatus {
     tell(|| {
-        // SAFETY: `watch` is NULL, or comes from erard_watch_new, has not been freed, and no other call changes it
-        // meanwhile.
-        let own = unsafe { watch.as_ref() }.ok_or_else(|| Fault::null("the watch"))?;
+        // SAFETY: `detector` is NULL, or comes from erard_event_detector_new, has not been freed, and no other call
+        // changes it meanwhile.
+        let own = unsafe { detector.as_ref() }.ok_or_else(|| Fault::null("the event detector"))?;
         // SAFETY: `events` is NULL, or aligned and writable memory for one ErardEvents that nothing else uses during
         // the call.
         let place = unsafe { events.as_mut() }.ok_or_else(|| Fault::null("the place for the events"))?;
-        let seen = own.watch.so_far();
+        let seen = own.detector.so_far();
         let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
         *place = ErardEvents {
             key_start_s: or_nan(seen.key_start_s),
@@ -126,13 +132,13 @@ pub unsafe extern "C" fn erard_watch_read(watch: *const ErardWatch, events: *mut
     })
 }
 
-/// Makes an action record where its zones touch, from the next step on, for erard_contacts. Recording costs a few
-/// percent of a step and does not change the results by a bit. Real time: no.
+/// Makes an action record where its zones touch, from the next step on, for erard_action_contacts. Recording costs a
+/// few percent of a step and does not change the results by a bit. Real time: no.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_keep_contacts(action: *mut ErardAction) -> ErardStatus {
+pub unsafe extern "C" fn erard_action_record_contacts(action: *mut ErardAction) -> ErardStatus {
     tell(|| {
-        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-        // call uses it meanwhile.
+        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed,
+        // and no other call uses it meanwhile.
         let action = unsafe { action.as_mut() }.ok_or_else(|| Fault::null("the action"))?;
         let mechanism = action.play.action.mechanism_mut();
         mechanism.configure(Stepping { keeps_contacts: true, ..*mechanism.readout().stepping });
@@ -142,13 +148,17 @@ pub unsafe extern "C" fn erard_keep_contacts(action: *mut ErardAction) -> ErardS
 
 /// Writes the state of the contact zones in the last step to `numbers`, five for each zone: force, N; the contact
 /// point, m in the world, x to the back and y up; the unit normal, in the direction in which the force pushes the disc.
-/// They are 0 for zones that do not touch, and before erard_keep_contacts. `count` is the room in `numbers`, at least
-/// five times erard_zone_count, else the call returns ERARD_STATUS_SIZE. Real time: no.
+/// They are 0 for zones that do not touch, and before erard_action_record_contacts. `count` is the room in `numbers`,
+/// at least five times erard_action_zone_count, else the call returns ERARD_STATUS_SIZE. Real time: no.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_contacts(action: *const ErardAction, numbers: *mut f64, count: usize) -> ErardStatus {
+pub unsafe extern "C" fn erard_action_contacts(
+    action: *const ErardAction,
+    numbers: *mut f64,
+    count: usize,
+) -> ErardStatus {
     tell(|| {
-        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-        // call changes it meanwhile.
+        // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed,
+        // and no other call changes it meanwhile.
         let action = unsafe { action.as_ref() }.ok_or_else(|| Fault::null("the action"))?;
         let zones = action.play.zones;
         if numbers.is_null() {
@@ -175,8 +185,8 @@ pub unsafe extern "C" fn erard_contacts(action: *const ErardAction, numbers: *mu
 /// Returns 1 if the last step changed nothing, so that further steps under the same input change nothing either; else
 /// 0, also for NULL. Real time: no.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn erard_rests(action: *const ErardAction) -> u32 {
-    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of, has not been freed, and no other
-    // call changes it meanwhile.
+pub unsafe extern "C" fn erard_action_is_asleep(action: *const ErardAction) -> u32 {
+    // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
+    // no other call changes it meanwhile.
     u32::from(unsafe { action.as_ref() }.is_some_and(|action| action.play.action.rests()))
 }
