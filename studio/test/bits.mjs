@@ -34,22 +34,24 @@ export const bits = async ({ visit }) => {
           const instrument = raw.erard_instrument_new(0, 0, 0);
           const action = raw.erard_action_of_instrument(instrument, 50e-6, 0);
           const stroke = library.given(nuance, (at) => raw.erard_stroke_builtin(instrument, at, struck, 0));
-          const bodies = raw.erard_action_body_count(action), place = raw.erard_memory_new(88 + 8 * bodies);
+          const bodies = raw.erard_action_body_count(action);
+          const reading = library.struct(112), angles = raw.erard_memory_new(8 * bodies);
           raw.erard_action_record_contacts(action);
-          raw.erard_action_read(action, place);
+          raw.erard_action_read(action, reading);
           const all = new Float64Array(rows * (2 + bodies));
           for (let row = 0; row < rows; row++) {
-            if (row > 0 && raw.erard_action_step_stroke(action, stroke, place) < 0) throw new Error("a step failed");
-            raw.erard_action_angles(action, place + 88, bodies);
-            const reading = library.f64(place, 11 + bodies);
-            all[row * (2 + bodies)] = reading[1];
-            all[row * (2 + bodies) + 1] = reading[5];
-            for (let body = 0; body < bodies; body++) all[row * (2 + bodies) + 2 + body] = reading[11 + body];
+            if (row > 0 && raw.erard_action_step_stroke(action, stroke, reading) < 0) throw new Error("a step failed");
+            raw.erard_action_angles(action, angles, bodies);
+            const numbers = library.f64(reading + 8, 6);
+            all[row * (2 + bodies)] = numbers[1];
+            all[row * (2 + bodies) + 1] = numbers[5];
+            all.set(library.f64(angles, bodies), row * (2 + bodies) + 2);
           }
           raw.erard_stroke_free(stroke);
           raw.erard_action_free(action);
           raw.erard_instrument_free(instrument);
-          raw.erard_memory_free(place, 88 + 8 * bodies);
+          raw.erard_memory_free(reading, 112);
+          raw.erard_memory_free(angles, 8 * bodies);
           return { width: 2 + bodies, all: [...new BigUint64Array(all.buffer)].map((word) => word.toString(16)).join(" ") };
         }, { nuance, struck: touch === "struck" ? 1 : 0, rows: native.length });
         assert.equal(native[0].length, found.width, "columns");

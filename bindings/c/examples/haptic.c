@@ -21,13 +21,14 @@ int main(void) {
         fprintf(stderr, "%s\n", erard_last_error());
         return 1;
     }
-    ErardReading reading = {0};
+    ErardReading reading = {.struct_size = sizeof reading};
     double x = 0, v = 0, before = 0, motor_n = 0, largest_n = 0, largest_m = 0;
     for (int n = 0; n < 500; n++) {
         /* The encoder, and the velocity computed from it. */
         double seen = quantum_m * floor(x / quantum_m + 0.5), seen_m_per_s = (seen - before) / period_s;
         before = seen;
-        ErardInput input = {.kind = ERARD_INPUT_MOTION, .position_m = seen, .velocity_m_per_s = seen_m_per_s};
+        ErardInput input = {.struct_size = sizeof input, .kind = ERARD_INPUT_MOTION,
+                            .position_m = seen, .velocity_m_per_s = seen_m_per_s};
         if (erard_action_advance(action, period_s, &input, &reading) < 0) {
             return 1;
         }

@@ -24,13 +24,15 @@ int main(void) {
     size_t next = 0;
     for (uint32_t n = 0; n < 16000; n++) {
         while (next < count && events[next].time_s <= n * step_s) {
-            ErardInput input = {.kind = events[next].force_n > 0 ? ERARD_INPUT_FORCE : ERARD_INPUT_FREE, .force_n = events[next].force_n};
+            ErardInput input = {.struct_size = sizeof input, .force_n = events[next].force_n};
+            input.kind = events[next].force_n > 0 ? ERARD_INPUT_FORCE : ERARD_INPUT_FREE;
             if (erard_keyboard_drive(keyboard, events[next].key, &input) < 0) {
                 return 1;
             }
             next++;
         }
         ErardImpact impacts[8];
+        impacts[0].struct_size = sizeof *impacts;
         size_t count;
         if (erard_keyboard_step(keyboard, 1, impacts, 8, &count) < 0) {
             return 1;

@@ -26,9 +26,11 @@ const taken = (address) => {
   return own;
 };
 
-// ErardReading: ten doubles, two counts, and two doubles of a hand.
-const reading = erard.erard_memory_new(104);
-const read = () => new DataView(erard.memory.buffer, reading, 104);
+// ErardReading: its size and a reserved number, ten doubles, two counts, and two doubles of a hand.
+const READING_BYTES = 112;
+const reading = erard.erard_memory_new(READING_BYTES);
+const read = () => new DataView(erard.memory.buffer, reading, READING_BYTES);
+read().setUint32(0, READING_BYTES, true);
 const action = erard.erard_action_new(0, 0, 50e-6, 0);
 if (action === 0) throw new Error(text(erard.erard_last_error()));
 const note = () => {
@@ -62,5 +64,5 @@ const svg = taken(erard.erard_instrument_draw(instrument, angles, bodies, 900, 1
 if (!svg.startsWith("<svg") || !svg.includes("data-body")) throw new Error("no picture");
 const draw_ms = best(() => erard.erard_text_free(erard.erard_instrument_draw(instrument, angles, bodies, 900, 0, 0, 0)), 3);
 
-console.log(`digest ${digest.toString(16).padStart(16, "0")} after ${read().getUint32(80, true) > 0 ? "an impact" : "no impact"}`);
+console.log(`digest ${digest.toString(16).padStart(16, "0")} after ${read().getUint32(88, true) > 0 ? "an impact" : "no impact"}`);
 console.log(`${bytes.length} bytes, ${gzipSync(bytes, { level: 9 }).length} gzipped; ${step_us.toFixed(2)} us a step; a picture ${draw_ms.toFixed(1)} ms`);

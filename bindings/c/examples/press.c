@@ -10,7 +10,7 @@ int main(void) {
         fprintf(stderr, "%s\n", erard_last_error());
         return 1;
     }
-    ErardReading reading;
+    ErardReading reading = {.struct_size = sizeof reading};
     for (int n = 0; n < 10000; n++) {
         if (erard_action_step_force(action, n < 5000 ? 5.0 : 0.0, &reading) < 0) {
             fprintf(stderr, "step %d\n", n);

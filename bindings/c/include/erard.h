@@ -11,6 +11,13 @@
  *
  * Threads: objects are independent. Any thread may use an object, but only one at a time; the library does not lock it.
  *
+ * Structs: set the first field of a struct to its size before you pass it: `ErardReading reading = {.struct_size = sizeof
+ * reading};`. In an array the size of the first element holds for all. Later versions add fields at the end of a struct
+ * only. A header and a library of different versions therefore work together: the library writes the fields that both
+ * know and sets the others of your struct to 0; of an input it reads the fields that both know and takes those missing
+ * as 0. It returns ERARD_STATUS_STRUCT and does nothing if the size is none of this struct's, or if a field of an input
+ * that it does not know is not 0.
+ *
  * Errors: a status below 0 means that nothing has changed (for the one exception see erard_keyboard_step).
  * erard_last_error describes errors of functions that are not for real time.
  *
@@ -162,6 +169,11 @@ enum ErardStatus
    * An error inside this library. Only free the object or, if it is an action, reset or restore it.
    */
   ERARD_STATUS_INTERNAL = -12,
+  /**
+   * The first field of a struct does not hold the struct's size, or a field that this library does not know is not
+   * 0.
+   */
+  ERARD_STATUS_STRUCT = -13,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -207,6 +219,14 @@ typedef struct ErardStroke ErardStroke;
  * forces those that acted during it.
  */
 typedef struct ErardReading {
+  /**
+   * sizeof(ErardReading).
+   */
+  uint32_t struct_size;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
   /**
    * The present instant, s from the action's creation or its last reset.
    */
@@ -271,13 +291,13 @@ typedef struct ErardReading {
  */
 typedef struct ErardInput {
   /**
+   * sizeof(ErardInput).
+   */
+  uint32_t struct_size;
+  /**
    * ERARD_INPUT_FREE, ERARD_INPUT_FORCE, ERARD_INPUT_MOTION, ERARD_INPUT_RIGID or ERARD_INPUT_HAND.
    */
   uint32_t kind;
-  /**
-   * 0.
-   */
-  uint32_t reserved;
   /**
    * Force on the key front, N, down positive. With ERARD_INPUT_HAND: force of the muscle on the hand.
    */
@@ -305,17 +325,17 @@ typedef struct ErardInput {
 } ErardInput;
 
 /**
- * Impact of a hammer on its string.
+ * Impact of a hammer on its string. In an array, set the size of the first element only: it holds for all.
  */
 typedef struct ErardImpact {
+  /**
+   * sizeof(ErardImpact).
+   */
+  uint32_t struct_size;
   /**
    * The key, from 1.
    */
   uint32_t key;
-  /**
-   * 0.
-   */
-  uint32_t reserved;
   /**
    * Instant of the impact, s.
    */
@@ -336,6 +356,14 @@ typedef int32_t (*ErardProgress)(double share, void *user);
  * Events of one press. Times are s on the action's clock; events that have not happened are NaN.
  */
 typedef struct ErardEvents {
+  /**
+   * sizeof(ErardEvents).
+   */
+  uint32_t struct_size;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
   /**
    * The key front is a tenth of a millimetre below its rest.
    */

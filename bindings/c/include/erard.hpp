@@ -1,7 +1,7 @@
 // C++17 classes over the C interface in erard.h, with C++ ownership and exceptions. Units and signs are as in erard.h.
 //
 // Constructors, `builtin`, `get`, `set`, `vary`, `toml` and `diagnose` throw erard::Error. The functions that return a
-// status, which are those for real time, throw nothing: check the status.
+// status, which are those for real time, throw nothing: check the status. All set the sizes of structs.
 #ifndef ERARD_HPP
 #define ERARD_HPP
 
@@ -32,6 +32,7 @@ template <class T> Owned<T> owned(T *p, ErardStatus s) {
     if (!p) throw Error(s);
     return Owned<T>(p);
 }
+template <class T> T *sized(T &of) { of.struct_size = sizeof of; return &of; }
 inline std::string text(char *p, ErardStatus s) { return owned(p, s).get(); }
 } // namespace detail
 
@@ -90,22 +91,22 @@ class Action {
         auto *p = erard_action_of_instrument(of.handle(), step_s, &s);
         own = detail::owned(p, s);
     }
-    [[nodiscard]] ErardStatus force(double n, ErardReading &r) noexcept { return erard_action_step_force(own.get(), n, &r); }
+    [[nodiscard]] ErardStatus force(double n, ErardReading &r) noexcept { return erard_action_step_force(own.get(), n, detail::sized(r)); }
     [[nodiscard]] ErardStatus motion(double m, double m_per_s, ErardReading &r) noexcept {
-        return erard_action_step_motion(own.get(), m, m_per_s, &r);
+        return erard_action_step_motion(own.get(), m, m_per_s, detail::sized(r));
     }
     [[nodiscard]] ErardStatus rigid(double m, double m_per_s, ErardReading &r) noexcept {
-        return erard_action_step_rigid(own.get(), m, m_per_s, &r);
+        return erard_action_step_rigid(own.get(), m, m_per_s, detail::sized(r));
     }
-    [[nodiscard]] ErardStatus step(const ErardInput &in, ErardReading &r) noexcept { return erard_action_step_input(own.get(), &in, &r); }
+    [[nodiscard]] ErardStatus step(ErardInput in, ErardReading &r) noexcept { return erard_action_step_input(own.get(), detail::sized(in), detail::sized(r)); }
     [[nodiscard]] ErardStatus place_hand(double m, double m_per_s) noexcept { return erard_action_place_hand(own.get(), m, m_per_s); }
-    [[nodiscard]] ErardStatus advance(double dt_s, const ErardInput &in, ErardReading &r) noexcept {
-        return erard_action_advance(own.get(), dt_s, &in, &r);
+    [[nodiscard]] ErardStatus advance(double dt_s, ErardInput in, ErardReading &r) noexcept {
+        return erard_action_advance(own.get(), dt_s, detail::sized(in), detail::sized(r));
     }
     [[nodiscard]] ErardStatus set_pedal(double lift_m) noexcept { return erard_action_set_pedal(own.get(), lift_m); }
     ErardReading reading() const noexcept {
         ErardReading r{};
-        erard_action_read(own.get(), &r);
+        erard_action_read(own.get(), detail::sized(r));
         return r;
     }
     double bridge_force() const noexcept { double n = 0.0; erard_action_bridge_force(own.get(), &n); return n; }
@@ -138,15 +139,15 @@ class Keyboard {
         auto *p = erard_keyboard_builtin(name, step_s, &s);
         return Keyboard(detail::owned(p, s));
     }
-    [[nodiscard]] ErardStatus drive(std::uint32_t key, const ErardInput &in) noexcept {
-        return erard_keyboard_drive(own.get(), key, &in);
+    [[nodiscard]] ErardStatus drive(std::uint32_t key, ErardInput in) noexcept {
+        return erard_keyboard_drive(own.get(), key, detail::sized(in));
     }
     [[nodiscard]] ErardStatus place_hand(std::uint32_t key, double m, double m_per_s) noexcept {
         return erard_keyboard_place_hand(own.get(), key, m, m_per_s);
     }
     [[nodiscard]] ErardStatus set_pedal(double lift_m) noexcept { return erard_keyboard_set_pedal(own.get(), lift_m); }
     [[nodiscard]] ErardStatus read(std::uint32_t key, ErardReading &r) const noexcept {
-        return erard_keyboard_read(own.get(), key, &r);
+        return erard_keyboard_read(own.get(), key, detail::sized(r));
     }
     [[nodiscard]] ErardStatus angles(std::uint32_t key, double *rad, std::size_t room) const noexcept {
         return erard_keyboard_angles(own.get(), key, rad, room);
@@ -168,7 +169,7 @@ class Keyboard {
         return erard_keyboard_restore(own.get(), bytes.data(), bytes.size());
     }
     [[nodiscard]] ErardStatus step(std::uint32_t steps, ErardImpact *impacts, std::size_t room, std::size_t &count) noexcept {
-        return erard_keyboard_step(own.get(), steps, impacts, room, &count);
+        return erard_keyboard_step(own.get(), steps, room ? detail::sized(*impacts) : nullptr, room, &count);
     }
     ErardKeyboard *handle() noexcept { return own.get(); }
 };

@@ -6,6 +6,7 @@ use std::ptr::null_mut;
 use erard::strings::{ShapeProbe, Strings};
 use erard::{Action, Input, Instrument};
 
+use crate::caller_struct::{Place, given};
 use crate::instrument::{ErardInstrument, parse};
 use crate::play::{Play, settings};
 use crate::reading::{
@@ -89,25 +90,24 @@ pub unsafe extern "C" fn erard_action_free(action: *mut ErardAction) {
     }
 }
 
-/// Writes the reading to the caller's place, if there is one.
-unsafe fn read_into(play: &Play, reading: *mut ErardReading) {
-    // SAFETY: `reading` is NULL, or aligned and writable memory for an ErardReading, by the contract of this function.
-    if let Some(place) = unsafe { reading.as_mut() } {
-        *place = play.reading;
-    }
-}
-
 /// Takes one step under a checked input; returns its error otherwise.
 #[inline(always)]
 unsafe fn step(action: *mut ErardAction, input: Result<Input, ErardStatus>, reading: *mut ErardReading) -> ErardStatus {
     // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
     // no other call uses it meanwhile.
     let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
+    // SAFETY: `reading` is NULL, or aligned and writable memory for an ErardReading that begins with its size, by the
+    // contract of this function.
+    let place = match unsafe { Place::new(reading) } {
+        Ok(place) => place,
+        Err(status) => return status,
+    };
     quick(|| {
         let status = input.map_or_else(|status| status, |input| action.play.step(input));
-        // SAFETY: `reading` is NULL, or aligned and writable memory for an ErardReading, by the contract of this
-        // function.
-        unsafe { read_into(&action.play, reading) };
+        if let Some(place) = place {
+            // SAFETY: `place` is the caller's memory for one ErardReading that nothing else uses during the call.
+            unsafe { place.write(0, &action.play.reading) };
+        }
         status
     })
 }
@@ -190,7 +190,10 @@ pub unsafe extern "C" fn erard_action_step_input(
     reading: *mut ErardReading,
 ) -> ErardStatus {
     // SAFETY: `input` is NULL, or an aligned, initialised ErardInput that does not change during the call.
-    let Some(input) = (unsafe { input.as_ref() }) else { return ErardStatus::Null };
+    let input = match unsafe { given(input) } {
+        Ok(input) => input,
+        Err(status) => return status,
+    };
     // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `reading` is NULL, or writable
     // memory for an ErardReading.
     unsafe { step(action, input.checked(), reading) }
@@ -230,16 +233,20 @@ pub unsafe extern "C" fn erard_action_advance(
     input: *const ErardInput,
     reading: *mut ErardReading,
 ) -> ErardStatus {
-    // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `input` is NULL, or an initialised
-    // ErardInput.
-    let (Some(action), Some(input)) = (unsafe { action.as_mut() }, unsafe { input.as_ref() }) else {
-        return ErardStatus::Null;
+    // SAFETY: `action` is NULL, or an action that is not freed and in no other call.
+    let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
+    // SAFETY: `input` is NULL, or an initialised ErardInput that does not change during the call; `reading` is NULL, or
+    // writable memory for an ErardReading that begins with its size.
+    let (input, place) = match unsafe { (given(input), Place::new(reading)) } {
+        (Ok(input), Ok(place)) => (input, place),
+        (Err(status), _) | (_, Err(status)) => return status,
     };
     quick(|| {
-        let status = action.play.advance(dt_s, input);
-        // SAFETY: `reading` is NULL, or aligned and writable memory for an ErardReading, by the contract of this
-        // function.
-        unsafe { read_into(&action.play, reading) };
+        let status = action.play.advance(dt_s, &input);
+        if let Some(place) = place {
+            // SAFETY: `place` is the caller's memory for one ErardReading that nothing else uses during the call.
+            unsafe { place.write(0, &action.play.reading) };
+        }
         status
     })
 }
@@ -250,8 +257,13 @@ pub unsafe extern "C" fn erard_action_advance(
 pub unsafe extern "C" fn erard_action_read(action: *const ErardAction, reading: *mut ErardReading) -> ErardStatus {
     // SAFETY: `action` is NULL, or an action that is not freed and that no call changes; `reading` is NULL, or writable
     // memory for an ErardReading.
-    let (Some(action), false) = (unsafe { action.as_ref() }, reading.is_null()) else { return ErardStatus::Null };
-    unsafe { read_into(&action.play, reading) };
+    let (action, place) = match unsafe { (action.as_ref(), Place::new(reading)) } {
+        (Some(action), Ok(Some(place))) => (action, place),
+        (Some(_), Err(status)) => return status,
+        _ => return ErardStatus::Null,
+    };
+    // SAFETY: `place` is the caller's memory for one ErardReading that nothing else uses during the call.
+    unsafe { place.write(0, &action.play.reading) };
     ErardStatus::Ok
 }
 

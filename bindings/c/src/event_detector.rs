@@ -7,6 +7,7 @@ use erard::instrument::Instrument;
 use erard::mechanism::Stepping;
 
 use crate::action::ErardAction;
+use crate::caller_struct::{CallerStruct, Place};
 use crate::instrument::{ErardInstrument, given};
 use crate::status::{ErardStatus, Fault, ended, tell, told};
 
@@ -21,6 +22,10 @@ pub struct ErardEventDetector {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErardEvents {
+    /// sizeof(ErardEvents).
+    pub struct_size: u32,
+    /// 0.
+    pub reserved: u32,
     /// The key front is a tenth of a millimetre below its rest.
     pub key_start_s: f64,
     /// The jack's toe touches the let-off button.
@@ -41,6 +46,33 @@ pub struct ErardEvents {
     /// Time from the impact to the key's bottom, s; negative if the key reaches the bottom first.
     pub key_bottom_after_impact_s: f64,
 }
+
+impl Default for ErardEvents {
+    /// Nothing has happened.
+    fn default() -> Self {
+        ErardEvents {
+            struct_size: size_of::<Self>() as u32,
+            reserved: 0,
+            key_start_s: f64::NAN,
+            toe_contact_s: f64::NAN,
+            let_off_s: f64::NAN,
+            hammer_contact_s: f64::NAN,
+            hammer_speed_m_per_s: f64::NAN,
+            key_bottom_s: f64::NAN,
+            check_s: f64::NAN,
+            free_flight_s: f64::NAN,
+            key_bottom_after_impact_s: f64::NAN,
+        }
+    }
+}
+
+// SAFETY: a `repr(C)` struct of two u32 and nine f64: no padding, and every bit pattern is a value. `struct_size` is
+// its first field.
+unsafe impl CallerStruct for ErardEvents {
+    const FIRST_BYTES: usize = 80;
+}
+
+const _: () = assert!(size_of::<ErardEvents>() >= ErardEvents::FIRST_BYTES);
 
 /// Makes an event detector for one press on an action of this instrument. Returns NULL if the instrument is NULL. Real
 /// time: no.
@@ -112,12 +144,14 @@ pub unsafe extern "C" fn erard_event_detector_read(
         // SAFETY: `detector` is NULL, or comes from erard_event_detector_new, has not been freed, and no other call
         // changes it meanwhile.
         let own = unsafe { detector.as_ref() }.ok_or_else(|| Fault::null("the event detector"))?;
-        // SAFETY: `events` is NULL, or aligned and writable memory for one ErardEvents that nothing else uses during
-        // the call.
-        let place = unsafe { events.as_mut() }.ok_or_else(|| Fault::null("the place for the events"))?;
+        // SAFETY: `events` is NULL, or aligned and writable memory for one ErardEvents that begins with its size and
+        // that nothing else uses during the call.
+        let place = unsafe { Place::new(events) }
+            .map_err(|status| Fault::new(status, "the events: set struct_size to sizeof(ErardEvents)"))?;
+        let place = place.ok_or_else(|| Fault::null("the place for the events"))?;
         let seen = own.detector.so_far();
         let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
-        *place = ErardEvents {
+        let found = ErardEvents {
             key_start_s: or_nan(seen.key_start_s),
             toe_contact_s: or_nan(seen.toe_contact_s),
             let_off_s: or_nan(seen.let_off_s),
@@ -127,7 +161,10 @@ pub unsafe extern "C" fn erard_event_detector_read(
             check_s: or_nan(seen.check_s),
             free_flight_s: or_nan(seen.free_flight_s()),
             key_bottom_after_impact_s: or_nan(seen.key_bottom_after_impact_s()),
+            ..ErardEvents::default()
         };
+        // SAFETY: `place` is the caller's memory for one ErardEvents that nothing else uses during the call.
+        unsafe { place.write(0, &found) };
         Ok(())
     })
 }

@@ -13,6 +13,7 @@ use erard::strings::Strings;
 use erard::{Action, Input, Instrument};
 
 use crate::action::moving;
+use crate::caller_struct::{Place, given};
 use crate::instrument::{builtin_keyboard, file_fault};
 use crate::play::{settings, status_of};
 use crate::reading::{ErardImpact, ErardInput, ErardReading};
@@ -133,7 +134,12 @@ impl ErardKeyboard {
             if let Some(last) = self.impacts.get_mut(one.key - 1) {
                 *last = (time_s, speed_m_per_s, last.2.wrapping_add(1));
             }
-            put(ErardImpact { key: one.key as u32, reserved: 0, time_s, hammer_speed_m_per_s: speed_m_per_s });
+            put(ErardImpact {
+                key: one.key as u32,
+                time_s,
+                hammer_speed_m_per_s: speed_m_per_s,
+                ..ErardImpact::default()
+            });
         }
         if tick.non_finite > 0 {
             ErardStatus::NotFinite
@@ -163,6 +169,7 @@ impl ErardKeyboard {
             hammer_speed_m_per_s,
             impact_count,
             new_impact_count: 0,
+            ..ErardReading::default()
         })
     }
 
@@ -212,10 +219,12 @@ pub unsafe extern "C" fn erard_keyboard_drive(
 ) -> ErardStatus {
     // SAFETY: `keyboard` is NULL, or a keyboard that is not freed and in no other call; `input` is NULL, or an
     // initialised ErardInput.
-    let (Some(keyboard), Some(input)) = (unsafe { keyboard.as_mut() }, unsafe { input.as_ref() }) else {
-        return ErardStatus::Null;
+    let (keyboard, input) = match unsafe { (keyboard.as_mut(), given(input)) } {
+        (Some(keyboard), Ok(input)) => (keyboard, input),
+        (Some(_), Err(status)) => return status,
+        _ => return ErardStatus::Null,
     };
-    quick(|| keyboard.drive(key as usize, input))
+    quick(|| keyboard.drive(key as usize, &input))
 }
 
 /// Places the hand (ERARD_INPUT_HAND) on a key, as erard_action_place_hand does; `key` counts from 1. Real time: yes.
@@ -316,17 +325,24 @@ pub unsafe extern "C" fn erard_keyboard_step(
     if steps == 0 || steps > ERARD_MAX_STEPS {
         return ErardStatus::Range;
     }
-    if impacts.is_null() && capacity > 0 {
-        return ErardStatus::Null;
-    }
+    let place = if capacity == 0 {
+        None
+    } else {
+        // SAFETY: `impacts` is NULL, or aligned and writable memory for `capacity` impacts, at least one, that begins
+        // with their size.
+        match unsafe { Place::new(impacts) } {
+            Ok(Some(place)) => Some(place),
+            Ok(None) => return ErardStatus::Null,
+            Err(status) => return status,
+        }
+    };
     quick(|| {
         let (mut total, mut status) = (0_usize, ErardStatus::Ok);
         for _ in 0..steps {
             let one = keyboard.step(&mut |impact| {
-                if total < capacity {
-                    // SAFETY: `impacts` is not NULL; it is aligned and has room for `capacity` impacts, more than
-                    // `total`.
-                    unsafe { impacts.add(total).write(impact) };
+                if let Some(place) = place.as_ref().filter(|_| total < capacity) {
+                    // SAFETY: `place` has room for `capacity` impacts of the stated size, more than `total`.
+                    unsafe { place.write(total, &impact) };
                 }
                 total += 1;
             });
@@ -354,12 +370,15 @@ pub unsafe extern "C" fn erard_keyboard_read(
 ) -> ErardStatus {
     // SAFETY: `keyboard` is NULL, or a keyboard that is not freed and that no call changes; `reading` is NULL, or
     // writable memory for an ErardReading.
-    let (Some(keyboard), Some(reading)) = (unsafe { keyboard.as_ref() }, unsafe { reading.as_mut() }) else {
-        return ErardStatus::Null;
+    let (keyboard, place) = match unsafe { (keyboard.as_ref(), Place::new(reading)) } {
+        (Some(keyboard), Ok(Some(place))) => (keyboard, place),
+        (Some(_), Err(status)) => return status,
+        _ => return ErardStatus::Null,
     };
     quick(|| match keyboard.reading(key as usize) {
         Some(now) => {
-            *reading = now;
+            // SAFETY: `place` is the caller's memory for one ErardReading that nothing else uses during the call.
+            unsafe { place.write(0, &now) };
             ErardStatus::Ok
         }
         None => ErardStatus::NoSuch,
@@ -495,13 +514,13 @@ pub(crate) fn restore(keyboard: &mut ErardKeyboard, lists: &Lists<'_>) -> ErardS
             let number = |name| key.number(name).unwrap_or(0.0);
             let input = ErardInput {
                 kind: number("input_kind") as u32,
-                reserved: 0,
                 force_n: number("input_force_N"),
                 position_m: number("input_position_m"),
                 velocity_m_per_s: number("input_velocity_m_per_s"),
                 hand_mass_kg: number("input_hand_mass_kg"),
                 muscle_n_per_m: number("input_muscle_N_per_m"),
                 muscle_n_s_per_m: number("input_muscle_N_s_per_m"),
+                ..ErardInput::default()
             };
             let Ok(checked) = input.checked() else { return ErardStatus::Saved };
             let (state, strings) =

@@ -6,6 +6,7 @@
 //! the default feature `workshop`, `erard-workshop` and `erard-figures`.
 
 mod action;
+mod caller_struct;
 #[cfg(feature = "workshop")]
 mod dials;
 // A simulator loads a unit as a library of its own platform.

@@ -236,6 +236,8 @@ fn save_strings(action: &Action, bytes: &mut [u8]) -> usize {
 /// Names and numbers of a reading in a saved state.
 fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str, &mut f64)) {
     let ErardReading {
+        struct_size: _,
+        reserved: _,
         time_s,
         key_m,
         key_m_per_s,

@@ -3,6 +3,7 @@
 use erard::Input;
 use erard::player::{Hand, HandInput};
 
+use crate::caller_struct::CallerStruct;
 use crate::status::ErardStatus;
 
 /// Version of this interface: the layout of its structures and the meaning of its functions. A library with another
@@ -38,12 +39,12 @@ pub const ERARD_INPUT_HAND: u32 = 4;
 
 /// Input of a key. Fields that the kind does not use are ignored.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErardInput {
+    /// sizeof(ErardInput).
+    pub struct_size: u32,
     /// ERARD_INPUT_FREE, ERARD_INPUT_FORCE, ERARD_INPUT_MOTION, ERARD_INPUT_RIGID or ERARD_INPUT_HAND.
     pub kind: u32,
-    /// 0.
-    pub reserved: u32,
     /// Force on the key front, N, down positive. With ERARD_INPUT_HAND: force of the muscle on the hand.
     pub force_n: f64,
     /// Position, m below the key front's rest. With ERARD_INPUT_HAND: the position at which the muscle holds the hand.
@@ -56,6 +57,28 @@ pub struct ErardInput {
     pub muscle_n_per_m: f64,
     /// Damping of the muscle, N s/m, 0 to 1e5.
     pub muscle_n_s_per_m: f64,
+}
+
+impl Default for ErardInput {
+    /// A free key.
+    fn default() -> Self {
+        ErardInput {
+            struct_size: size_of::<Self>() as u32,
+            kind: ERARD_INPUT_FREE,
+            force_n: 0.0,
+            position_m: 0.0,
+            velocity_m_per_s: 0.0,
+            hand_mass_kg: 0.0,
+            muscle_n_per_m: 0.0,
+            muscle_n_s_per_m: 0.0,
+        }
+    }
+}
+
+// SAFETY: a `repr(C)` struct of two u32 and six f64: no padding, and every bit pattern is a value. `struct_size` is its
+// first field.
+unsafe impl CallerStruct for ErardInput {
+    const FIRST_BYTES: usize = 56;
 }
 
 impl ErardInput {
@@ -115,8 +138,12 @@ pub(crate) fn within(number: f64, limit: f64) -> Result<f64, ErardStatus> {
 /// Reading after a step. Positions are relative to rest; positions and velocities are those at the end of the step,
 /// forces those that acted during it.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErardReading {
+    /// sizeof(ErardReading).
+    pub struct_size: u32,
+    /// 0.
+    pub reserved: u32,
     /// The present instant, s from the action's creation or its last reset.
     pub time_s: f64,
     /// Travel of the key front, m, down positive.
@@ -148,16 +175,64 @@ pub struct ErardReading {
     pub hand_m_per_s: f64,
 }
 
-/// Impact of a hammer on its string.
+impl Default for ErardReading {
+    /// All numbers are 0.
+    fn default() -> Self {
+        ErardReading {
+            struct_size: size_of::<Self>() as u32,
+            reserved: 0,
+            time_s: 0.0,
+            key_m: 0.0,
+            key_m_per_s: 0.0,
+            finger_n: 0.0,
+            finger_mean_n: 0.0,
+            hammer_m: 0.0,
+            hammer_m_per_s: 0.0,
+            string_n: 0.0,
+            impact_time_s: 0.0,
+            hammer_speed_m_per_s: 0.0,
+            impact_count: 0,
+            new_impact_count: 0,
+            hand_m: 0.0,
+            hand_m_per_s: 0.0,
+        }
+    }
+}
+
+// SAFETY: a `repr(C)` struct of two u32, ten f64, two u32 and two f64: no padding, and every bit pattern is a value.
+// `struct_size` is its first field.
+unsafe impl CallerStruct for ErardReading {
+    const FIRST_BYTES: usize = 112;
+}
+
+/// Impact of a hammer on its string. In an array, set the size of the first element only: it holds for all.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErardImpact {
+    /// sizeof(ErardImpact).
+    pub struct_size: u32,
     /// The key, from 1.
     pub key: u32,
-    /// 0.
-    pub reserved: u32,
     /// Instant of the impact, s.
     pub time_s: f64,
     /// Total speed of the strike point at the impact, m/s.
     pub hammer_speed_m_per_s: f64,
 }
+
+impl Default for ErardImpact {
+    /// No key's.
+    fn default() -> Self {
+        ErardImpact { struct_size: size_of::<Self>() as u32, key: 0, time_s: 0.0, hammer_speed_m_per_s: 0.0 }
+    }
+}
+
+// SAFETY: a `repr(C)` struct of two u32 and two f64: no padding, and every bit pattern is a value. `struct_size` is its
+// first field.
+unsafe impl CallerStruct for ErardImpact {
+    const FIRST_BYTES: usize = 24;
+}
+
+// A smaller struct would break the rule that fields are only added.
+const _: () = assert!(size_of::<ErardInput>() >= ErardInput::FIRST_BYTES);
+const _: () = assert!(size_of::<ErardReading>() >= ErardReading::FIRST_BYTES);
+const _: () = assert!(size_of::<ErardImpact>() >= ErardImpact::FIRST_BYTES);

@@ -41,6 +41,9 @@ pub enum ErardStatus {
     Interrupted = -11,
     /// An error inside this library. Only free the object or, if it is an action, reset or restore it.
     Internal = -12,
+    /// The first field of a struct does not hold the struct's size, or a field that this library does not know is not
+    /// 0.
+    Struct = -13,
 }
 
 impl ErardStatus {
@@ -61,6 +64,7 @@ impl ErardStatus {
             -10 => c"the instrument cannot be assembled, finds no rest, or cannot be measured",
             -11 => c"the caller ended the work",
             -12 => c"a fault of the library",
+            -13 => c"the first field of a struct is not its size, or a field that the library does not know is not 0",
             _ => c"no status of this library",
         }
     }

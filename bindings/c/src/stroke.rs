@@ -11,6 +11,7 @@ use erard::stroke::{Columns, DrivingError, Layout, Recording, Stroke, Touch};
 use serde_json::{Value, json};
 
 use crate::action::ErardAction;
+use crate::caller_struct::Place;
 use crate::instrument::{ErardInstrument, given};
 use crate::reading::{ERARD_MAX_FORCE_N, ERARD_MAX_POSITION_M, ERARD_MAX_SPEED_M_PER_S, ErardReading, within};
 use crate::status::{ErardStatus, Fault, ended, tell, told};
@@ -182,6 +183,10 @@ pub unsafe extern "C" fn erard_action_step_stroke(
         // SAFETY: `stroke` is NULL, or comes from erard_stroke_new or erard_stroke_builtin, has not been freed, and no
         // other call uses it meanwhile.
         let stroke = unsafe { stroke.as_mut() }.ok_or_else(|| Fault::null("the stroke"))?;
+        // SAFETY: `reading` is NULL, or aligned and writable memory for one ErardReading that begins with its size and
+        // that nothing else uses during the call.
+        let place = unsafe { Place::new(reading) }
+            .map_err(|status| Fault::new(status, "the reading: set struct_size to sizeof(ErardReading)"))?;
         let settings = *action.play.action.settings();
         if let Some(Hand { start_m, start_m_per_s, .. }) = stroke.hand.filter(|_| stroke.steps == 0) {
             action.play.place_hand(start_m, start_m_per_s);
@@ -199,10 +204,9 @@ pub unsafe extern "C" fn erard_action_step_stroke(
             Err(status) => status,
         };
         stroke.steps += u64::from(ended as i32 >= 0);
-        // SAFETY: `reading` is NULL, or aligned and writable memory for one ErardReading that nothing else uses during
-        // the call.
-        if let Some(place) = unsafe { reading.as_mut() } {
-            *place = action.play.reading;
+        if let Some(place) = place {
+            // SAFETY: `place` is the caller's memory for one ErardReading that nothing else uses during the call.
+            unsafe { place.write(0, &action.play.reading) };
         }
         if (ended as i32) < 0 {
             return Err(Fault::new(ended, format!("the stroke cannot be played at {begins_s:.6} s")));

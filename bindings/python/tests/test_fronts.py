@@ -20,7 +20,7 @@ HEARD_MS, PERIOD = 120, 24
 class Input(ctypes.Structure):
     """`ErardInput` of erard.h."""
 
-    _fields_ = [("kind", ctypes.c_uint32), ("reserved", ctypes.c_uint32), *((name, ctypes.c_double) for name in ("n", "m", "m_per_s", "kg", "n_per_m", "n_s_per_m"))]
+    _fields_ = [("struct_size", ctypes.c_uint32), ("kind", ctypes.c_uint32), *((name, ctypes.c_double) for name in ("n", "m", "m_per_s", "kg", "n_per_m", "n_s_per_m"))]
 
 
 class Callbacks(ctypes.Structure):
@@ -45,7 +45,7 @@ def in_c(path: Path) -> Iterator[list[float]]:
     keyboard = ctypes.c_void_p(c.erard_keyboard_builtin(NAME.encode(), ctypes.c_double(STEP_S), None))
     assert keyboard.value
     assert c.erard_keyboard_set_pedal(keyboard, ctypes.c_double(PEDAL_M)) == 0
-    pressed, count, force = Input(kind=1, n=FORCE_N), ctypes.c_size_t(), ctypes.c_double()
+    pressed, count, force = Input(struct_size=ctypes.sizeof(Input), kind=1, n=FORCE_N), ctypes.c_size_t(), ctypes.c_double()
     for key in CHORD:
         assert c.erard_keyboard_drive(keyboard, key, ctypes.byref(pressed)) == 0
     for _ in range(HEARD_MS):

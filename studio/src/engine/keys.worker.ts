@@ -7,7 +7,7 @@ import type { FromKeys, Scene, ToKeys } from "./protocol";
 const LONGEST_S = 0.1, AWAY_S = 0.5;
 const MOST_IMPACTS = 256;
 const IMPACT_BYTES = 24;
-/** Bytes of ErardInput: two counts and six doubles. */
+/** Bytes of ErardInput: its size, its kind and six doubles. */
 const INPUT_BYTES = 56;
 const FREE = 0, FORCE = 1, MOTION = 2;
 /** A fingertip's way within a frame is taken in so many steps at a time: a millisecond. */
@@ -33,16 +33,16 @@ const open = async (module: WebAssembly.Module, called: string): Promise<void> =
   name = called;
   keyboard = library.made(library.given(name, (at) => raw.erard_keyboard_builtin(at, STEP_S, 0)));
   keys = raw.erard_keyboard_key_count(keyboard);
-  input = raw.erard_memory_new(INPUT_BYTES);
-  impacts = raw.erard_memory_new(IMPACT_BYTES * MOST_IMPACTS);
+  input = library.struct(INPUT_BYTES);
+  impacts = library.struct(IMPACT_BYTES, MOST_IMPACTS);
   count = raw.erard_memory_new(8);
-  reading = raw.erard_memory_new(READING_BYTES);
+  reading = library.struct(READING_BYTES);
   bridge = raw.erard_memory_new(8);
   say({ kind: "ready", keys, took_ms: performance.now() - began });
 };
 
 const drive = (key: number, kind: number, force: number, position: number, velocity: number): void => {
-  library.u32(input, 2).set([kind, 0]);
+  library.u32(input + 4, 1)[0] = kind;
   library.f64(input + 8, 6).set([force, position, velocity, 0, 0, 0]);
   check(library.raw.erard_keyboard_drive(keyboard, key, input));
 };
@@ -91,7 +91,7 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
     const many = Math.min(library.u32(count, 1)[0]!, MOST_IMPACTS);
     for (let n = 0; n < many; n++) {
       const at = impacts + IMPACT_BYTES * n;
-      struck.push({ key: library.u32(at, 1)[0]!, hammer_speed_m_per_s: library.f64(at + 16, 1)[0]! });
+      struck.push({ key: library.u32(at + 4, 1)[0]!, hammer_speed_m_per_s: library.f64(at + 16, 1)[0]! });
     }
     if (sounds) {
       check(raw.erard_keyboard_total_bridge_force(keyboard, bridge));
@@ -103,7 +103,7 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
   const [key_m, hammer_m, finger_n] = [new Float32Array(keys), new Float32Array(keys), new Float32Array(keys)];
   for (let key = 1; key <= keys; key++) {
     raw.erard_keyboard_read(keyboard, key, reading);
-    const read = library.f64(reading, 6);
+    const read = library.f64(reading + 8, 6);
     key_m[key - 1] = read[1]!;
     finger_n[key - 1] = read[3]!;
     hammer_m[key - 1] = read[5]!;

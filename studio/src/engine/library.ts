@@ -147,6 +147,14 @@ export class Library {
     return this.textAt(this.raw.erard_status_text(status));
   }
 
+  /** Memory for a struct of the interface, whose first field is its size. */
+  struct(bytes: number, count = 1): number {
+    const address = this.raw.erard_memory_new(bytes * count);
+    if (address === 0) throw new LibraryError("there is no memory left");
+    this.u32(address, 1)[0] = bytes;
+    return address;
+  }
+
   /** A text that stays the library's. */
   textAt(address: number): string {
     this.look();

@@ -8,8 +8,10 @@ export const STEP_S = 50e-6;
 /** What is kept, s: the last second, and enough before it that a press which swings out for long is still there from
  * its beginning. */
 const KEPT_S = 3;
-/** Bytes of ErardReading. */
-export const READING_BYTES = 104;
+/** Bytes of ErardReading and ErardEvents: a size, a reserved number, then the doubles. */
+export const READING_BYTES = 112;
+const EVENTS_BYTES = 80;
+const NUMBERS_AT = 8;
 const EVENTS = [
   "key_start_s", "toe_contact_s", "let_off_s", "hammer_contact_s", "hammer_speed_m_per_s", "key_bottom_s", "check_s", "free_flight_s", "key_bottom_after_impact_s",
 ] as const;
@@ -52,8 +54,8 @@ export class Played {
   constructor(private readonly library: Library, text: string, firmness_n_m: number, spare: Ring[]) {
     const { raw } = library;
     this.instrument = library.made(library.given(text, (at, length) => raw.erard_instrument_new(at, length, 0)));
-    this.reading = raw.erard_memory_new(READING_BYTES);
-    this.events = raw.erard_memory_new(8 * EVENTS.length);
+    this.reading = library.struct(READING_BYTES);
+    this.events = library.struct(EVENTS_BYTES);
     try {
       this.scene = library.json<Scene>(raw.erard_instrument_drawing_json(this.instrument, 0, 0));
       this.firm(firmness_n_m);
@@ -82,7 +84,7 @@ export class Played {
   private firm(firmness_n_m: number): void {
     const { raw } = this.library;
     const number = (path: string) =>
-      this.library.given(path, (at) => (raw.erard_instrument_get(this.instrument, at, 0, this.reading) < 0 ? NaN : this.library.f64(this.reading, 1)[0]!));
+      this.library.given(path, (at) => (raw.erard_instrument_get(this.instrument, at, 0, this.reading + NUMBERS_AT) < 0 ? NaN : this.readings(1)[0]!));
     const stiffness = number("finger.stiffness_N_per_m"), damping = number("finger.damping_N_s_per_m");
     // What has no fingertip in its file is pressed by the usual one.
     if (!(stiffness > 0)) return;
@@ -99,7 +101,7 @@ export class Played {
     raw.erard_action_free(this.action);
     raw.erard_instrument_free(this.instrument);
     raw.erard_memory_free(this.reading, READING_BYTES);
-    raw.erard_memory_free(this.events, 8 * EVENTS.length);
+    raw.erard_memory_free(this.events, EVENTS_BYTES);
     raw.erard_memory_free(this.numbers, 8 * (this.bodies + 5 * this.zones));
     raw.erard_memory_free(this.shape, 8 * Math.max(this.places, 1));
   }
@@ -159,7 +161,7 @@ export class Played {
     const { library, bodies, zones, numbers } = this;
     library.raw.erard_action_angles(this.action, numbers, bodies);
     library.raw.erard_action_contacts(this.action, numbers + 8 * bodies, 5 * zones);
-    const [time, key, , finger, , hammer, speed, string] = library.f64(this.reading, 10) as unknown as number[];
+    const [time, key, , finger, , hammer, speed, string] = this.readings(10) as unknown as number[];
     const row = this.ring.push(time!);
     row[0] = key!;
     row[1] = hammer!;
@@ -176,43 +178,48 @@ export class Played {
     return this.library.raw.erard_action_is_asleep(this.action) === 1;
   }
 
+  /** The first doubles of the reading. */
+  private readings(count: number): Float64Array {
+    return this.library.f64(this.reading + NUMBERS_AT, count);
+  }
+
   get time_s(): number {
-    return this.library.f64(this.reading, 1)[0]!;
+    return this.readings(1)[0]!;
   }
 
   get impact_count(): number {
-    return this.library.u32(this.reading + 80, 1)[0]!;
+    return this.library.u32(this.reading + NUMBERS_AT + 80, 1)[0]!;
   }
 
   get hammer_speed_m_per_s(): number {
-    return this.library.f64(this.reading, 10)[9]!;
+    return this.readings(10)[9]!;
   }
 
   /** Speed of the key's front, m/s, down. */
   get key_m_per_s(): number {
-    return this.library.f64(this.reading, 3)[2]!;
+    return this.readings(3)[2]!;
   }
 
   get hammer_m(): number {
-    return this.library.f64(this.reading, 6)[5]!;
+    return this.readings(6)[5]!;
   }
 
   /** Speed of the hammer's strike point now, m/s, up. */
   get hammer_m_per_s(): number {
-    return this.library.f64(this.reading, 7)[6]!;
+    return this.readings(7)[6]!;
   }
 
   get key_m(): number {
-    return this.library.f64(this.reading, 2)[1]!;
+    return this.readings(2)[1]!;
   }
 
   get peakFinger_n(): number {
-    return this.library.f64(this.reading, 4)[3]!;
+    return this.readings(4)[3]!;
   }
 
   seen(): Events {
     this.library.done(this.library.raw.erard_event_detector_read(this.detector, this.events));
-    const values = this.library.f64(this.events, EVENTS.length);
+    const values = this.library.f64(this.events + NUMBERS_AT, EVENTS.length);
     const impact_count = this.impact_count - this.impactsBefore;
     return { ...(Object.fromEntries(EVENTS.map((name, index) => [name, values[index]!])) as unknown as Events), impact_count };
   }

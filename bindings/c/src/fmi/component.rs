@@ -144,13 +144,13 @@ impl Component {
             };
             Ok(ErardInput {
                 kind,
-                reserved: 0,
                 force_n: self.values[*force],
                 position_m: self.values[*position],
                 velocity_m_per_s: self.values[*velocity],
                 hand_mass_kg,
                 muscle_n_per_m,
                 muscle_n_s_per_m,
+                ..ErardInput::default()
             })
         };
         self.drivers.iter().map(input).collect()

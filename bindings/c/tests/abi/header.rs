@@ -30,6 +30,13 @@ const FIRST: &str = "\
  *
  * Threads: objects are independent. Any thread may use an object, but only one at a time; the library does not lock it.
  *
+ * Structs: set the first field of a struct to its size before you pass it: `ErardReading reading = {.struct_size = sizeof
+ * reading};`. In an array the size of the first element holds for all. Later versions add fields at the end of a struct
+ * only. A header and a library of different versions therefore work together: the library writes the fields that both
+ * know and sets the others of your struct to 0; of an input it reads the fields that both know and takes those missing
+ * as 0. It returns ERARD_STATUS_STRUCT and does nothing if the size is none of this struct's, or if a field of an input
+ * that it does not know is not 0.
+ *
  * Errors: a status below 0 means that nothing has changed (for the one exception see erard_keyboard_step).
  * erard_last_error describes errors of functions that are not for real time.
  *

@@ -19,6 +19,7 @@ mod pages;
 mod playing;
 mod programs;
 mod ranges;
+mod sizes;
 
 use std::ptr::{null, null_mut};
 

@@ -85,8 +85,9 @@ fn pages_reserve_as_much_as_the_structures_take() {
         assert!(found.contains(&text), "{file} has no `{text}`");
     };
     let (reading, input, impact) = (size_of::<ErardReading>(), size_of::<ErardInput>(), size_of::<ErardImpact>());
-    says("bindings/c/examples/note.mjs", format!("reading = erard.erard_memory_new({reading})"));
-    says("bindings/c/examples/note.mjs", format!("DataView(erard.memory.buffer, reading, {reading})"));
+    let events = size_of::<ErardEvents>();
+    says("bindings/c/examples/note.mjs", format!("READING_BYTES = {reading};"));
+    says("studio/src/engine/played.ts", format!("EVENTS_BYTES = {events};"));
     says("studio/src/engine/played.ts", format!("READING_BYTES = {reading};"));
     says("studio/src/engine/keys.worker.ts", format!("INPUT_BYTES = {input};"));
     says("studio/src/engine/keys.worker.ts", format!("IMPACT_BYTES = {impact};"));

@@ -109,6 +109,7 @@ fn strokes_are_those_of_press() {
                 check_s: 0.0,
                 free_flight_s: 0.0,
                 key_bottom_after_impact_s: 0.0,
+                ..ErardEvents::default()
             };
             assert_eq!(unsafe { erard_event_detector_read(detector, &raw mut seen) }, ErardStatus::Ok);
             let e = &run.events;
