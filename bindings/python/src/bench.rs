@@ -4,6 +4,7 @@ use std::path::Path;
 
 use erard::instrument::Instrument as Inner;
 use erard::instrument_spec::InstrumentSpec;
+use erard::parameter::Quantity;
 use erard::run::{Setup, simulate};
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_picture};
 use erard_kinematics::three_lever::StrokePose;
@@ -12,7 +13,7 @@ use erard_workshop::distances::Protocol;
 use erard_workshop::measure::norms::{Line, MIDDLE_C, lines, norms_key};
 use erard_workshop::measure::{measure as measure_all, measure_some};
 use erard_workshop::regulate::{
-    Goal, Kind, Miss, RegulateError, Specification, parse_value, regulate as turn, regulate_following, show,
+    Goal, Miss, RegulateError, Specification, parse_value, regulate as turn, regulate_following, show,
 };
 use erard_workshop::weighing::weigh;
 use pyo3::prelude::*;
@@ -93,10 +94,9 @@ pub(crate) fn regulate<'py>(
         let text = &match text {
             Value::Text(text) => text.clone(),
             // SI units, and shares.
-            Value::Number(x) => match goal.kind() {
-                Kind::Length => format!("{x} m"),
-                Kind::Speed => format!("{x} m/s"),
-                Kind::Share => format!("{} %", 100.0 * x),
+            Value::Number(x) => match goal.quantity() {
+                Quantity::Share => format!("{} %", 100.0 * x),
+                quantity => format!("{x} {}", quantity.si_unit()),
             },
         };
         let target = parse_value(goal, text)

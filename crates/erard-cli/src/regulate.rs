@@ -3,9 +3,10 @@
 use std::fmt;
 use std::time::Duration;
 
+use erard::parameter::Quantity;
 use erard_workshop::digits::{rounds_to_zero, signed};
 use erard_workshop::distances::Distances;
-use erard_workshop::regulate::{Achieved, Goal, Handwork, Kind, Regulated, Turned, known_screw, turns_text, unit};
+use erard_workshop::regulate::{Achieved, Goal, Handwork, Regulated, Turned, known_screw, turns_text, unit};
 use erard_workshop::worklist::{GaveUp, Settled, usual_aftertouch_m};
 use serde_json::{Value, json};
 
@@ -14,13 +15,11 @@ use crate::units::Lengths;
 
 /// A value as the reader's ruler shows it, to a hundredth of a millimetre.
 pub(crate) fn shown_value(goal: Goal, value: f64, lengths: Lengths) -> String {
-    match goal.kind() {
-        Kind::Length => lengths.text(value * 1e3, 2),
-        Kind::Speed | Kind::Share => {
-            let (factor, unit) = unit(goal.kind());
-            format!("{:.2} {unit}", value * factor)
-        }
+    if goal.quantity() == Quantity::Length {
+        return lengths.text(value * 1e3, 2);
     }
+    let (factor, unit) = unit(goal);
+    format!("{:.2} {unit}", value * factor)
 }
 
 /// How far a screw was turned and which way; where it has a thread, in turns, too.
@@ -148,7 +147,7 @@ pub(crate) fn aftertouch_report(settled: &Settled) -> Value {
 pub(crate) fn misses(regulated: &Regulated) -> Vec<String> {
     let missed = regulated.achieved.iter().filter(|achieved| achieved.miss.is_some());
     let line = |missed: &Achieved| {
-        let (factor, unit) = unit(missed.goal.kind());
+        let (factor, unit) = unit(missed.goal);
         let nearest = missed
             .after
             .map_or("it does not happen".to_owned(), |after| format!("the nearest is {:.2} {unit}", after * factor));

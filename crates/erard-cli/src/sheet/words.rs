@@ -211,22 +211,7 @@ fn front_mm(instrument: &erard::instrument::Instrument) -> f64 {
 
 /// What the bench calls a screw of the file.
 fn screw_words(name: &str) -> String {
-    match name {
-        "capstan_height" => "capstan",
-        "let_off" => "let-off button",
-        "drop" => "drop screw",
-        "repetition_spring" => "repetition spring",
-        "jack_position" => "jack screw",
-        "lever_height" => "repetition lever screw",
-        "back_check" => "back check",
-        "back_check_angle" => "back check, angle",
-        "front_punching" => "front punchings",
-        "back_rail_cloth" => "back rail cloth",
-        "string_height" => "action height",
-        "damper_timing" => "damper lift",
-        other => return other.replace('_', " "),
-    }
-    .to_owned()
+    known_screw(name).map_or_else(|| name.replace('_', " "), |known| known.part.to_owned())
 }
 
 fn why_words(quantity: Quantity, why: &Why) -> String {

@@ -1,9 +1,10 @@
 //! Screws that must follow: turning one screw disturbs the goals of others.
 
 use super::rounds::{Regulated, Status, regulate};
-use super::{Goal, Kind, RegulateError, Specification};
+use super::{Goal, RegulateError, Specification};
 use crate::distances::{Distances, Protocol};
 use erard::instrument::Instrument;
+use erard::parameter::Quantity;
 
 /// Largest change of a distance, m, or as a share of a speed, or of the dip, that does not count as disturbed.
 const SEEN_M: f64 = 0.25e-3;
@@ -19,7 +20,7 @@ const PASSES: u32 = 4;
 pub fn disturbed(regulated: &Regulated) -> Specification {
     let asked = |goal: Goal| regulated.achieved.iter().any(|achieved| achieved.goal == goal);
     let has_screw =
-        |goal: Goal| goal.screws().first().is_some_and(|(name, _)| regulated.instrument.screw(name).is_some());
+        |goal: Goal| goal.screws().next().is_some_and(|(first, _)| regulated.instrument.screw(first.name).is_some());
     let moved = |goal: Goal| has_moved(goal, &regulated.before, &regulated.after);
     let goals = Goal::ALL.into_iter().filter(|goal| *goal != Goal::RepetitionRise && !asked(*goal) && has_screw(*goal));
     goals.filter_map(|goal| Some((goal, moved(goal)?))).collect()
@@ -28,10 +29,10 @@ pub fn disturbed(regulated: &Regulated) -> Specification {
 /// Earlier value of a goal, if it has changed.
 fn has_moved(goal: Goal, before: &Distances, after: &Distances) -> Option<f64> {
     let before = goal.of(before)?;
-    let seen = match goal.kind() {
-        Kind::Length => SEEN_M,
-        Kind::Speed => SEEN_OF_SPEED * before,
-        Kind::Share => SEEN_OF_DIP,
+    let seen = match goal.quantity() {
+        Quantity::Speed => SEEN_OF_SPEED * before,
+        Quantity::Share => SEEN_OF_DIP,
+        _ => SEEN_M,
     };
     // An event that no longer happens counts as changed.
     let is_there = goal.of(after).is_some_and(|after| (after - before).abs() <= seen);

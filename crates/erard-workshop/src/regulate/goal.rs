@@ -1,8 +1,11 @@
 //! Goals of a regulation.
 
+use erard::parameter::Quantity;
+
+use super::screw::{KNOWN_SCREWS, KnownScrew};
 use crate::distances::{Distances, Trial};
 
-use Kind::{Length, Share, Speed};
+use Quantity::{Length, Share, Speed};
 
 /// Distance that can be a goal. The order is the trade's order of work: the jack and the lever under the knuckle, the
 /// hammer line, the key's dip, let-off, drop, checking, the repetition spring, the damper.
@@ -30,21 +33,10 @@ pub enum Goal {
     Damper,
 }
 
-/// Kind of a goal's number; values are in m, m/s, or shares of 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// m.
-    Length,
-    /// m/s.
-    Speed,
-    /// Share of the dip.
-    Share,
-}
-
 /// Properties of a goal.
 struct Known {
     name: &'static str,
-    kind: Kind,
+    quantity: Quantity,
     norm: Option<f64>,
     limits: [f64; 2],
     of: fn(&Distances) -> Option<f64>,
@@ -52,12 +44,12 @@ struct Known {
 
 const fn known(
     name: &'static str,
-    kind: Kind,
+    quantity: Quantity,
     norm: Option<f64>,
     limits: [f64; 2],
     of: fn(&Distances) -> Option<f64>,
 ) -> Known {
-    Known { name, kind, norm, limits, of }
+    Known { name, quantity, norm, limits, of }
 }
 
 /// One row per goal, in the order of [`Goal::ALL`].
@@ -102,9 +94,9 @@ impl Goal {
         self.known().name
     }
 
-    /// Kind of the goal's number.
-    pub fn kind(self) -> Kind {
-        self.known().kind
+    /// Physical quantity of the goal; a share is one of the dip.
+    pub fn quantity(self) -> Quantity {
+        self.known().quantity
     }
 
     /// Default target in the trade, m, m/s, or share; `None` without a norm.
@@ -156,24 +148,10 @@ impl Goal {
     }
 
     /// Screws of the goal, the usual one first; the next takes over at the end of its range. Each with its effect on
-    /// the goal per m, rad or N m turned along its [`KnownScrew::reference`](super::KnownScrew): a first guess,
-    /// corrected by the first turn. Sizes follow from lever arms (a hammer's head moves about ten times as far as its
-    /// knuckle).
-    pub(crate) fn screws(self) -> &'static [(&'static str, f64)] {
-        match self {
-            Goal::JackPosition => &[("jack_position", 1.8)],
-            Goal::LeverHeight => &[("lever_height", 1.8)],
-            Goal::Blow => &[("capstan_height", -12.0), ("string_height", 1.0)],
-            Goal::LetOff => &[("let_off", -7.0)],
-            Goal::Drop => &[("drop", 6.0)],
-            Goal::Dip => &[("front_punching", -1.0), ("back_rail_cloth", -1.2)],
-            Goal::Check => &[("back_check", -10.0)],
-            // The hammer rises to where the drop screw holds the lever: the rise depends on where it is checked. The
-            // check's angle determines how far the key has come up by then, which matters little.
-            Goal::RepetitionRise => &[("back_check", -10.0), ("back_check_angle", 3e-3)],
-            Goal::Spring => &[("repetition_spring", 25.0)],
-            Goal::Damper => &[("damper_timing", -110.0)],
-        }
+    /// the goal ([`KnownScrew`]).
+    pub(crate) fn screws(self) -> impl Iterator<Item = (&'static KnownScrew, f64)> + Clone {
+        let effect = move |screw: &'static KnownScrew| screw.goals.iter().find(|(goal, _)| *goal == self);
+        KNOWN_SCREWS.iter().filter_map(move |screw| Some((screw, effect(screw)?.1)))
     }
 
     /// Value of a missing event: a hammer that is not caught is infinitely low and does not rise; a key without a

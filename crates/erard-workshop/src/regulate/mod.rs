@@ -15,10 +15,10 @@ mod workshop;
 
 pub use follow::{disturbed, regulate_following};
 
-pub use goal::{Goal, Kind, Specification};
+pub use goal::{Goal, Specification};
 pub use rounds::{Achieved, Miss, Regulated, Status, Turned, regulate};
 pub(crate) use screw::way;
-pub use screw::{CAPSTAN_THREAD_M, Handwork, KnownScrew, Range, SMALL_THREAD_M, known_screw, turns_text};
+pub use screw::{CAPSTAN_THREAD_M, Handwork, KNOWN_SCREWS, KnownScrew, SMALL_THREAD_M, known_screw, turns_text};
 pub use value::{parse_value, show, unit};
 
 use thiserror::Error;

@@ -11,7 +11,7 @@ impl Regulated {
     #[must_use]
     pub fn report(&self) -> Value {
         let goals = self.achieved.iter().map(|a| {
-            let (factor, unit) = unit(a.goal.kind());
+            let (factor, unit) = unit(a.goal);
             json!({
                 "goal": a.goal.name(),
                 "unit": unit,
@@ -51,7 +51,7 @@ impl Regulated {
     pub fn screws_of(&self, goal: Goal) -> impl Iterator<Item = &Turned> {
         // A screw of two goals served the first of them that was requested.
         let asked =
-            |name: &str| self.achieved.iter().map(|a| a.goal).find(|g| g.screws().iter().any(|(n, _)| *n == name));
+            |name: &str| self.achieved.iter().map(|a| a.goal).find(|g| g.screws().any(|(screw, _)| screw.name == name));
         self.turned.iter().filter(move |turned| asked(&turned.name) == Some(goal))
     }
 
@@ -88,7 +88,7 @@ impl Achieved {
 fn distances(distances: &Distances) -> Value {
     let one = |name: &str, unit: &str, value: Option<f64>| json!({"name": name, "unit": unit, "value": value});
     let goals = Goal::ALL.into_iter().map(|goal| {
-        let (factor, unit) = unit(goal.kind());
+        let (factor, unit) = unit(goal);
         one(goal.name(), unit, goal.of(distances).map(|v| v * factor))
     });
     let others = [("lost motion", distances.lost_motion_m), ("aftertouch", distances.aftertouch_m)];

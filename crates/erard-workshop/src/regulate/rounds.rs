@@ -199,19 +199,19 @@ fn tasks(instrument: &Instrument, specification: &Specification) -> Result<Vec<T
     for goal in Goal::ALL {
         let Some(&(_, target)) = specification.iter().rev().find(|(asked, _)| *asked == goal) else { continue };
         // A screw that an earlier goal needs is not turned for this one.
-        let taken = |name| {
+        let taken = |screw: &KnownScrew| {
             let others = specification.iter().filter(|(other, _)| *other < goal);
-            others.flat_map(|(other, _)| other.screws().first()).any(|(first, _)| *first == name)
+            others.filter_map(|(other, _)| other.screws().next()).any(|(first, _)| first.name == screw.name)
         };
-        let usable = || goal.screws().iter().filter(|(name, _)| !taken(*name));
+        let usable = || goal.screws().filter(|(screw, _)| !taken(screw));
         let screws: Vec<_> = usable()
-            .filter_map(|&(name, effect)| {
-                let (screw, known) = (instrument.screw(name)?, known_screw(name)?);
+            .filter_map(|(known, effect)| {
+                let screw = instrument.screw(known.name)?;
                 Some((screw, known, effect * known.sense(&instrument.screws[screw]), None))
             })
             .collect();
         if screws.is_empty() {
-            let names: Vec<String> = usable().map(|(name, _)| format!("`{name}`")).collect();
+            let names: Vec<String> = usable().map(|(screw, _)| format!("`{}`", screw.name)).collect();
             return Err(RegulateError::NoScrew { goal: goal.name(), needs: names.join(" or ") });
         }
         tasks.push(Task { goal, target, screws, miss: None, nearest: None });

@@ -1,18 +1,8 @@
 //! Known screws of a grand action, by their names in instrument files.
 
 use erard::instrument::{Instrument, Screw, ScrewAction, Vec2};
-use erard::parameter::Quantity;
 
-/// Range of a screw, counted from the drawn geometry.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Range {
-    /// From the first to the second, m.
-    Length(f64, f64),
-    /// From the first to the second, rad.
-    Angle(f64, f64),
-    /// Shares of the spring's drawn torque.
-    Torque(f64, f64),
-}
+use super::Goal;
 
 /// Work at the bench that corresponds to a screw of the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,13 +30,21 @@ pub const SMALL_THREAD_M: f64 = 0.65e-3;
 pub struct KnownScrew {
     /// Name in instrument files.
     pub name: &'static str,
+    /// Part that a technician turns, bends or shims, by its name at the bench.
+    pub part: &'static str,
+    /// Quantity of the regulation that the screw sets, if it has another name.
+    pub sets: Option<&'static str>,
     /// Direction of a technician's words for its turns; a file may count the other way.
     pub reference: Vec2,
-    /// Plausible range, an estimate: the thread of a capstan or button, a stack of punchings, the bending of a wire,
-    /// the range of a spring.
-    pub range: Range,
+    /// Plausible range counted from the drawn geometry, an estimate: the thread of a capstan or button, a stack of
+    /// punchings, the bending of a wire, m or rad; of a spring in shares of its drawn torque.
+    pub range: [f64; 2],
     /// The work at the bench.
     pub work: Handwork,
+    /// Goals for which the screw is turned, each with its effect on the goal per m, rad or N m turned along
+    /// `reference`: a first guess, corrected by the first turn. Sizes follow from lever arms (a hammer's head moves
+    /// about ten times as far as its knuckle).
+    pub(crate) goals: &'static [(Goal, f64)],
 }
 
 const UP: Vec2 = [0.0, 1.0];
@@ -54,25 +52,120 @@ const DOWN: Vec2 = [0.0, -1.0];
 const TO_THE_BACK: Vec2 = [1.0, 0.0];
 const TO_THE_PLAYER: Vec2 = [-1.0, 0.0];
 
-/// All known screws.
-pub(crate) const KNOWN_SCREWS: [KnownScrew; 12] = [
-    known("jack_position", TO_THE_BACK, Range::Length(-2e-3, 2e-3), Handwork::Thread(SMALL_THREAD_M)),
-    known("lever_height", DOWN, Range::Length(-1e-3, 1e-3), Handwork::Thread(SMALL_THREAD_M)),
-    known("capstan_height", UP, Range::Length(-4e-3, 4e-3), Handwork::Thread(CAPSTAN_THREAD_M)),
-    known("string_height", UP, Range::Length(-5e-3, 5e-3), Handwork::Stack),
-    known("let_off", UP, Range::Length(-4e-3, 4e-3), Handwork::Thread(CAPSTAN_THREAD_M)),
-    known("drop", DOWN, Range::Length(-4e-3, 4e-3), Handwork::Thread(SMALL_THREAD_M)),
-    known("front_punching", UP, Range::Length(-3e-3, 3e-3), Handwork::Layers),
-    known("back_rail_cloth", UP, Range::Length(-2e-3, 2e-3), Handwork::Layers),
-    known("back_check", TO_THE_PLAYER, Range::Length(-6e-3, 6e-3), Handwork::Bent),
-    known("back_check_angle", [0.0; 2], Range::Angle(-0.14, 0.14), Handwork::Bent),
-    known("repetition_spring", [0.0; 2], Range::Torque(-0.8, 1.0), Handwork::Bent),
-    known("damper_timing", UP, Range::Length(-4e-3, 4e-3), Handwork::Thread(CAPSTAN_THREAD_M)),
+/// All known screws. Of several screws for one goal the first is the usual one; the next takes over at the end of its
+/// range.
+pub const KNOWN_SCREWS: [KnownScrew; 12] = [
+    KnownScrew {
+        name: "jack_position",
+        part: "jack screw",
+        sets: None,
+        reference: TO_THE_BACK,
+        range: [-2e-3, 2e-3],
+        work: Handwork::Thread(SMALL_THREAD_M),
+        goals: &[(Goal::JackPosition, 1.8)],
+    },
+    KnownScrew {
+        name: "lever_height",
+        part: "repetition lever screw",
+        sets: None,
+        reference: DOWN,
+        range: [-1e-3, 1e-3],
+        work: Handwork::Thread(SMALL_THREAD_M),
+        goals: &[(Goal::LeverHeight, 1.8)],
+    },
+    KnownScrew {
+        name: "capstan_height",
+        part: "capstan",
+        sets: Some("blow"),
+        reference: UP,
+        range: [-4e-3, 4e-3],
+        work: Handwork::Thread(CAPSTAN_THREAD_M),
+        goals: &[(Goal::Blow, -12.0)],
+    },
+    KnownScrew {
+        name: "string_height",
+        part: "action height",
+        sets: None,
+        reference: UP,
+        range: [-5e-3, 5e-3],
+        work: Handwork::Stack,
+        goals: &[(Goal::Blow, 1.0)],
+    },
+    KnownScrew {
+        name: "let_off",
+        part: "let-off button",
+        sets: None,
+        reference: UP,
+        range: [-4e-3, 4e-3],
+        work: Handwork::Thread(CAPSTAN_THREAD_M),
+        goals: &[(Goal::LetOff, -7.0)],
+    },
+    KnownScrew {
+        name: "drop",
+        part: "drop screw",
+        sets: None,
+        reference: DOWN,
+        range: [-4e-3, 4e-3],
+        work: Handwork::Thread(SMALL_THREAD_M),
+        goals: &[(Goal::Drop, 6.0)],
+    },
+    KnownScrew {
+        name: "front_punching",
+        part: "front punchings",
+        sets: Some("dip"),
+        reference: UP,
+        range: [-3e-3, 3e-3],
+        work: Handwork::Layers,
+        goals: &[(Goal::Dip, -1.0)],
+    },
+    KnownScrew {
+        name: "back_rail_cloth",
+        part: "back rail cloth",
+        sets: Some("key height"),
+        reference: UP,
+        range: [-2e-3, 2e-3],
+        work: Handwork::Layers,
+        goals: &[(Goal::Dip, -1.2)],
+    },
+    KnownScrew {
+        name: "back_check",
+        part: "back check",
+        sets: None,
+        reference: TO_THE_PLAYER,
+        range: [-6e-3, 6e-3],
+        work: Handwork::Bent,
+        // The hammer rises to where the drop screw holds the lever: the rise depends on where it is checked.
+        goals: &[(Goal::Check, -10.0), (Goal::RepetitionRise, -10.0)],
+    },
+    KnownScrew {
+        name: "back_check_angle",
+        part: "back check, angle",
+        sets: None,
+        reference: [0.0; 2],
+        range: [-0.14, 0.14],
+        work: Handwork::Bent,
+        // The angle determines how far the key has come up when the hammer is let go, which matters little.
+        goals: &[(Goal::RepetitionRise, 3e-3)],
+    },
+    KnownScrew {
+        name: "repetition_spring",
+        part: "repetition spring",
+        sets: None,
+        reference: [0.0; 2],
+        range: [-0.8, 1.0],
+        work: Handwork::Bent,
+        goals: &[(Goal::Spring, 25.0)],
+    },
+    KnownScrew {
+        name: "damper_timing",
+        part: "damper lift",
+        sets: None,
+        reference: UP,
+        range: [-4e-3, 4e-3],
+        work: Handwork::Thread(CAPSTAN_THREAD_M),
+        goals: &[(Goal::Damper, -110.0)],
+    },
 ];
-
-const fn known(name: &'static str, reference: Vec2, range: Range, work: Handwork) -> KnownScrew {
-    KnownScrew { name, reference, range, work }
-}
 
 /// Finds a screw by its name.
 pub fn known_screw(name: &str) -> Option<&'static KnownScrew> {
@@ -93,25 +186,15 @@ impl KnownScrew {
 
     /// Least and largest setting, m, rad or N m.
     pub fn limits(&self, instrument: &Instrument, screw: &Screw) -> [f64; 2] {
-        match self.range {
-            Range::Length(from, to) | Range::Angle(from, to) if self.sense(screw) > 0.0 => [from, to],
-            Range::Length(from, to) | Range::Angle(from, to) => [-to, -from],
-            Range::Torque(from, to) => {
-                let ScrewAction::Spring { spring } = screw.action else { return [0.0, 0.0] };
+        let [from, to] = self.range;
+        match screw.action {
+            ScrewAction::Spring { spring } => {
                 let drawn = instrument.springs[spring].torque_n_m.abs() - screw.setting;
                 [from * drawn, to * drawn]
             }
+            _ if self.sense(screw) > 0.0 => [from, to],
+            _ => [-to, -from],
         }
-    }
-}
-
-/// Rounds a setting as in files: 0.1 um, a ten-thousandth of a degree, 1 uN m.
-pub(super) fn rounded(action: &ScrewAction, setting: f64) -> f64 {
-    // Multiplied and divided as in reading the file, so that both give the same bits.
-    match action.quantity() {
-        Quantity::Length => ((setting * 1e7).round() / 1e4) / 1e3,
-        Quantity::Angle => ((setting.to_degrees() * 1e4).round() / 1e4).to_radians(),
-        _ => (setting * 1e6).round() / 1e6,
     }
 }
 

@@ -2,20 +2,19 @@
 
 use erard::parameter::{Bare, NumberError, Quantity};
 
-use super::{Goal, Kind};
+use super::Goal;
 
-/// Returns the factor from SI to the displayed unit of a goal, and the unit.
-pub fn unit(kind: Kind) -> (f64, &'static str) {
-    match kind {
-        Kind::Length => (1e3, "mm"),
-        Kind::Speed => (1e3, "mm/s"),
-        Kind::Share => (100.0, "%"),
+/// Returns the factor from SI to the displayed unit of a goal, and the unit: mm, mm/s or %.
+pub fn unit(goal: Goal) -> (f64, &'static str) {
+    match goal.quantity() {
+        Quantity::Speed => Quantity::Speed.unit("mm/s").map_or((1.0, ""), |unit| (1.0 / unit.si, unit.symbol)),
+        quantity => quantity.shown(),
     }
 }
 
 /// Formats a goal's value with its unit.
 pub fn show(goal: Goal, value: f64) -> String {
-    let (factor, unit) = unit(goal.kind());
+    let (factor, unit) = unit(goal);
     format!("{} {unit}", (value * factor * 1e4).round() / 1e4)
 }
 
@@ -24,14 +23,15 @@ pub fn show(goal: Goal, value: f64) -> String {
 /// # Errors
 /// The expected text.
 pub fn parse_value(goal: Goal, text: &str) -> Result<f64, String> {
-    let (quantity, what) = match goal.kind() {
-        Kind::Length => (Quantity::Length, "a length"),
-        Kind::Speed => (Quantity::Speed, "a speed"),
-        Kind::Share => (Quantity::Share, "a share of the dip"),
+    let quantity = goal.quantity();
+    let what = match quantity {
+        Quantity::Speed => "a speed",
+        Quantity::Share => "a share of the dip",
+        _ => "a length",
     };
     let [least, most] = goal.limits();
     let range = || format!("{what} from {} to {} (units: {})", show(goal, least), show(goal, most), quantity.known());
-    match quantity.read(text, Bare::In(unit(goal.kind()).1)) {
+    match quantity.read(text, Bare::In(unit(goal).1)) {
         Ok(value) if (least..=most).contains(&value) => Ok(value),
         Ok(_) | Err(NumberError::Text { .. } | NumberError::Unit { .. }) => Err(range()),
         Err(error) => Err(error.to_string()),

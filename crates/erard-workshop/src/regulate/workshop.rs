@@ -1,6 +1,5 @@
 //! The action with its screws, and its measurements since they were last turned.
 
-use super::screw::rounded;
 use super::{Goal, RegulateError};
 use crate::distances::{DistanceError, Distances, Protocol, Trial};
 use erard::instrument::Instrument;
@@ -60,7 +59,7 @@ impl<'a> Workshop<'a> {
 
     /// Turns a screw to a setting, rounded as in a file; earlier measurements become invalid.
     pub(crate) fn turn(&mut self, screw: usize, setting: f64) {
-        let setting = rounded(&self.instrument.screws[screw].action, setting);
+        let setting = self.instrument.screws[screw].action.rounded(setting);
         if setting != self.setting(screw) && self.instrument.turn(screw, setting) {
             self.fresh.clear();
         }

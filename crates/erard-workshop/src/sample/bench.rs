@@ -91,7 +91,7 @@ impl Aim {
     pub(super) fn of(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
         let own = distances::measure(instrument, &Protocol::default(), progress)?;
         let goals = Goal::ALL.into_iter().filter(|goal| *goal != Goal::RepetitionRise).filter_map(|goal| {
-            let has_screw = goal.screws().iter().any(|(name, _)| instrument.screw(name).is_some());
+            let has_screw = goal.screws().any(|(known, _)| instrument.screw(known.name).is_some());
             Some((goal, goal.of(&own)?)).filter(|_| has_screw)
         });
         let balance_g = touch(instrument, progress)?.balance_weight_g().unwrap_or(f64::NAN);

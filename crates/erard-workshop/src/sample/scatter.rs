@@ -2,7 +2,6 @@
 
 use super::random::deviation;
 use crate::measure::MeasureError;
-use crate::regulate::known_screw;
 use crate::worklist::{Quantity, Work};
 use erard::Progress;
 use erard::instrument::Instrument;
@@ -36,8 +35,8 @@ pub fn technicians_scatter(
 
 /// Turns the screw of a quantity to change it by about `by`, in the sheet's unit.
 fn turn(instrument: &mut Instrument, quantity: Quantity, by: f64) {
-    let Some((name, effect)) = quantity.goal().and_then(|goal| goal.screws().first().copied()) else { return };
-    let (Some(screw), Some(known)) = (instrument.screw(name), known_screw(name)) else { return };
+    let Some((known, effect)) = quantity.goal().and_then(|goal| goal.screws().next()) else { return };
+    let Some(screw) = instrument.screw(known.name) else { return };
     let turned = &instrument.screws[screw];
     let [least, most] = known.limits(instrument, turned);
     let by = by / quantity.factor() / effect * known.sense(turned);

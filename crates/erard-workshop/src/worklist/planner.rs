@@ -129,7 +129,7 @@ impl Planner<'_, '_> {
 
     /// The copy's screw for a goal.
     pub(super) fn screw_of(&self, goal: Goal) -> Option<&'static str> {
-        goal.screws().iter().map(|(name, _)| *name).find(|name| self.copy.screw(name).is_some())
+        goal.screws().map(|(known, _)| known.name).find(|name| self.copy.screw(name).is_some())
     }
 
     /// Setting of the copy's screw that brings the piano's reading to its target, in SI units.

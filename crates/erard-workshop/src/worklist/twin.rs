@@ -37,7 +37,7 @@ pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>
         .into_iter()
         .filter_map(|quantity| {
             let goal = quantity.goal()?;
-            let has_screw = goal.screws().iter().any(|(name, _)| model.screw(name).is_some());
+            let has_screw = goal.screws().any(|(known, _)| model.screw(known.name).is_some());
             // Missing readings are no goals: their screw stays, and the other goals decide. A hammer that does not drop
             // is held up by a screw at least so far out of place.
             let value = readings.get(quantity).filter(|_| has_screw)?;

@@ -2,8 +2,9 @@
 
 use crate::common::{Play, USUAL_STEP_S};
 use erard::instrument::{Curve, Instrument, Vec2};
+use erard::parameter::Quantity;
 use erard_workshop::distances::{Protocol, measure};
-use erard_workshop::regulate::{Goal, Kind};
+use erard_workshop::regulate::Goal;
 use moreau::Settings;
 
 const FURTHER: [&str; 2] = ["steinway-o", "heavy-touch"];
@@ -68,10 +69,10 @@ fn they_ship_regulated() {
         let distances = measure(&builtin(name), &Protocol::default(), &mut |_| true).unwrap();
         for (goal, target) in Goal::norms() {
             let off = (goal.of(&distances).unwrap() - target).abs();
-            let allowed = match goal.kind() {
-                Kind::Length => 0.05e-3,
-                Kind::Speed => 0.02 * target,
-                Kind::Share => 0.01,
+            let allowed = match goal.quantity() {
+                Quantity::Speed => 0.02 * target,
+                Quantity::Share => 0.01,
+                _ => 0.05e-3,
             };
             assert!(off <= allowed, "{name}: {} is off by {off}: {distances:?}", goal.name());
         }

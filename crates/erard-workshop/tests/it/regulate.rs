@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use crate::common::{Play, USUAL_STEP_S, rigid_grand};
-use erard::instrument::Instrument;
+use erard::instrument::{Instrument, ScrewAction};
 use erard_workshop::distances::{DistanceError, Protocol, measure};
 use erard_workshop::regulate::{Goal, Miss, RegulateError, Regulated, Specification, known_screw, regulate};
 use moreau::Settings;
@@ -155,13 +155,13 @@ fn screws_stay_in_their_range() {
         let end = regulated(&rigid_grand(), &goals);
         assert!(!end.all_met(), "{:?}", end.achieved);
         for turned in &end.turned {
-            let most = match known_screw(&turned.name).unwrap().range {
-                erard_workshop::regulate::Range::Length(from, to)
-                | erard_workshop::regulate::Range::Angle(from, to) => to.max(-from),
-                erard_workshop::regulate::Range::Torque(from, to) => {
-                    rigid_grand().springs[0].torque_n_m.abs() * to.max(-from)
-                }
+            let [from, to] = known_screw(&turned.name).unwrap().range;
+            // A spring's in shares of its torque.
+            let unit = match turned.action {
+                ScrewAction::Spring { spring } => rigid_grand().springs[spring].torque_n_m.abs(),
+                _ => 1.0,
             };
+            let most = unit * to.max(-from);
             assert!(turned.setting[1].abs() <= most * 1.0001, "{turned:?}");
         }
     }

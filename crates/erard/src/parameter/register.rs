@@ -1,5 +1,6 @@
 //! Register of an instrument's numbers that can be changed by name.
 
+use crate::instrument::reader::MM_PER_M;
 use crate::instrument::{FileNumber, Instrument, ScrewAction, numbers_at};
 use thiserror::Error;
 
@@ -42,6 +43,17 @@ impl ScrewAction {
             _ => to_digits(setting, 1e6),
         };
         (self.file_number().key, setting)
+    }
+
+    /// Rounds a setting to the digits of files, as their reader converts them.
+    #[must_use]
+    pub fn rounded(&self, setting: f64) -> f64 {
+        let (_, in_file) = self.in_file(setting);
+        match self.quantity() {
+            Quantity::Length => in_file / MM_PER_M,
+            Quantity::Angle => in_file.to_radians(),
+            _ => in_file,
+        }
     }
 
     /// Displayed unit of the setting, and how many of it one SI unit is: mm, degrees or N mm.
