@@ -7,10 +7,8 @@
 
 mod action;
 mod caller_struct;
-#[cfg(feature = "workshop")]
-mod dials;
-// A simulator loads a unit as a library of its own platform.
 mod event_detector;
+// A simulator loads a unit as a library of its own platform.
 #[cfg(all(feature = "workshop", not(target_family = "wasm")))]
 mod fmi;
 mod halving;

@@ -12,6 +12,7 @@ use erard::parameter::{ChangeError, Wanted, varied_text};
 use erard_figures::drawing::{PoseOptions, pose_picture};
 use erard_figures::page::scene;
 use erard_workshop::diagnose::{self, Typed, diagnose};
+use erard_workshop::dials::{dials, with_dials};
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::norms::{GROUPS, Line, MIDDLE_C, lines};
 use erard_workshop::measure::{MeasureError, measure, measure_some};
@@ -19,7 +20,6 @@ use erard_workshop::regulate::{Goal, Specification, parse_value, regulate};
 use erard_workshop::test_press::test_press;
 use serde_json::{Map, Value, json};
 
-use crate::dials::{dials, turned};
 use crate::instrument::{ErardInstrument, boxed, file_fault, given};
 use crate::status::{ErardStatus, Fault, tell, told};
 use crate::text::{give, name};
@@ -384,7 +384,7 @@ pub unsafe extern "C" fn erard_instrument_with_dials(
                 Ok((name, number))
             })
             .collect();
-        let text = turned(&own.file, &own.text, &wanted?).map_err(wrong)?;
+        let text = with_dials(&own.file, &own.text, &wanted?).map_err(wrong)?;
         let file = InstrumentFile::parse(&text, "instrument").map_err(|error| file_fault(&error))?;
         Ok(boxed(file, text))
     })

@@ -8,6 +8,7 @@ pub mod compare;
 pub mod cores;
 mod dense;
 pub mod diagnose;
+pub mod dials;
 pub mod digits;
 pub mod distances;
 pub mod first_impact;

@@ -5,15 +5,15 @@
 
 use erard::grand::Parts;
 use erard::instrument::{Instrument, InstrumentFile, ScrewAction, Vec2, with_numbers};
-use erard::parameter::{Parameter, Quantity};
+use erard::parameter::{FileNumber, Parameter, Quantity};
 use serde::Serialize;
 
-use erard_workshop::regulate::known_screw;
+use crate::regulate::known_screw;
 
 /// Group of dials in a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Group {
+pub enum Group {
     /// The screws of the file.
     Screws,
     /// Places of parts.
@@ -28,25 +28,25 @@ pub(crate) enum Group {
 
 /// A slider: name, value with unit, range, and the numbers of the file that it changes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Dial {
+pub struct Dial {
     /// Name, unique in the instrument: a screw's own, else e.g. `knuckle`.
-    name: String,
+    pub name: String,
     /// Name at the bench.
-    label: String,
+    pub label: String,
     /// Effect of a larger value.
-    note: String,
+    pub note: String,
     /// Group in the list.
-    group: Group,
+    pub group: Group,
     /// Unit: `mm`, `deg`, `g`, `N mm`, or `x` for a factor that is 1 in the file.
-    unit: &'static str,
+    pub unit: &'static str,
     /// Significant decimals.
-    decimals: usize,
+    pub decimals: usize,
     /// Value in this instrument.
-    value: f64,
+    pub value: f64,
     /// Lower end of its range.
-    from: f64,
+    pub from: f64,
     /// Upper end of its range.
-    to: f64,
+    pub to: f64,
     #[serde(skip)]
     kind: Kind,
 }
@@ -70,9 +70,6 @@ enum Kind {
     Distance { path: String, to_mm: Vec2, height_mm: f64, side: f64 },
 }
 
-/// Quantities with a name of their own that a screw sets.
-const SETS: [(&str, &str); 3] =
-    [("capstan_height", "blow"), ("front_punching", "dip"), ("back_rail_cloth", "key height")];
 /// Range of felts and friction in both directions, as a factor.
 const FACTOR: f64 = 3.0;
 /// Place of a new lead, mm in front of the balance pin: the mean of the built-in grand's (0.62 and 0.55 of 265 mm).
@@ -80,7 +77,7 @@ const LEAD_AT_MM: f64 = 155.0;
 
 /// Returns all dials of an instrument; only its screws if it is no grand action.
 #[must_use]
-pub(crate) fn dials(file: &InstrumentFile) -> Vec<Dial> {
+pub fn dials(file: &InstrumentFile) -> Vec<Dial> {
     let mut all: Vec<Dial> = (0..file.instrument.screws.len()).filter_map(|screw| of_screw(file, screw)).collect();
     if let Ok(parts) = Parts::of(&file.instrument) {
         all.extend(places(file, &parts));
@@ -96,7 +93,7 @@ pub(crate) fn dials(file: &InstrumentFile) -> Vec<Dial> {
 ///
 /// # Errors
 /// A line that names the unknown dial, or the exceeded range.
-pub(crate) fn turned(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]) -> Result<String, String> {
+pub fn with_dials(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]) -> Result<String, String> {
     let all = dials(file);
     let mut changes: Numbers = Vec::new();
     for (name, value) in wanted {
@@ -130,12 +127,11 @@ impl Dial {
                 let mass = mass_g + value;
                 let centre = |k: usize| (mass_g * centre_mm[k] + value * at_mm[k]) / mass;
                 let arm2_m2 = 1e-6 * (at_mm[0] * at_mm[0] + at_mm[1] * at_mm[1]);
-                let path = |what: &str| format!("body.{body}.{what}");
                 vec![
-                    (path("mass_g"), 0, tidy(mass)),
-                    (path("center_of_mass_mm"), 0, tidy(centre(0))),
-                    (path("center_of_mass_mm"), 1, tidy(centre(1))),
-                    (path("inertia_kg_m2"), 0, tidy(inertia_kg_m2 + 1e-3 * value * arm2_m2)),
+                    (FileNumber::BODY_MASS.path(body), 0, tidy(mass)),
+                    (FileNumber::BODY_CENTER.path(body), 0, tidy(centre(0))),
+                    (FileNumber::BODY_CENTER.path(body), 1, tidy(centre(1))),
+                    (FileNumber::BODY_INERTIA.path(body), 0, tidy(inertia_kg_m2 + 1e-3 * value * arm2_m2)),
                 ]
             }
             Kind::Distance { path, to_mm, height_mm, side } => {
@@ -167,6 +163,11 @@ fn numbers(file: &InstrumentFile, paths: impl IntoIterator<Item = (String, usize
     found.filter(|found| !found.is_empty())
 }
 
+/// The numbers of the file that a parameter changes.
+fn of_parameter(file: &InstrumentFile, parameter: &Parameter) -> Option<Numbers> {
+    numbers(file, parameter.paths(&file.instrument).into_iter().map(|path| (path, 0)))
+}
+
 /// Returns a name as spoken: `let_off` becomes `let-off`.
 fn spoken(name: &str) -> String {
     const HYPHENED: [(&str, &str); 3] =
@@ -190,10 +191,9 @@ fn of_screw(file: &InstrumentFile, index: usize) -> Option<Dial> {
     let [from, to] = limits.map_or([value - 2.0, value + 2.0], |limits| limits.map(|limit| limit * si));
     Some(Dial {
         name: screw.name.clone(),
-        label: SETS
-            .iter()
-            .find(|(name, _)| *name == screw.name)
-            .map_or_else(|| spoken(&screw.name), |(_, what)| format!("{} ({what})", spoken(&screw.name))),
+        label: known
+            .and_then(|known| known.sets)
+            .map_or_else(|| spoken(&screw.name), |what| format!("{} ({what})", spoken(&screw.name))),
         note: screw.label.clone(),
         group: Group::Screws,
         unit: shown.symbol,
@@ -229,7 +229,7 @@ fn places(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
     let capstan =
         i.zones.iter().find(|zone| rides_on(parts.key, zone.disc_body) && zone.curve_body == Some(parts.whippen));
     if let Some(zone) = capstan
-        && let Some(found) = numbers(file, [(format!("zone.{}.disc.center_mm", zone.name), 0)])
+        && let Some(found) = numbers(file, [(FileNumber::DISC_CENTER.path(&zone.name), 0)])
     {
         let at = found[0].2;
         let look = place(
@@ -239,7 +239,7 @@ fn places(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
         );
         all.push(look.dial(at, [at - 8.0, at + 8.0], Kind::Together(found)));
     }
-    let knuckle = i.roles.knuckle.iter().map(|&zone| (format!("zone.{}.disc.center_mm", i.zones[zone].name), 0));
+    let knuckle = i.roles.knuckle.iter().map(|&zone| (FileNumber::DISC_CENTER.path(&i.zones[zone].name), 0));
     if let Some(found) = numbers(file, knuckle) {
         let at = found[0].2;
         let look = place(
@@ -252,7 +252,7 @@ fn places(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
     let hammer_root = &i.bodies[root(i, parts.hammer)];
     let whippen = &i.bodies[parts.whippen];
     if whippen.parent.is_none() {
-        let path = format!("body.{}.pivot_mm", whippen.name);
+        let path = FileNumber::BODY_PIVOT.path(&whippen.name);
         let [to, own] = [hammer_root.pivot_m, whippen.pivot_m].map(|pivot| pivot.map(|c| 1e3 * c));
         let [x, y] = [own[0] - to[0], own[1] - to[1]];
         let spread = x.hypot(y);
@@ -271,9 +271,7 @@ fn weights(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
     let i = &file.instrument;
     let mut all = Vec::new();
     let look = |name, label, note| Look { name, label, note, group: Group::Weights, unit: "g", decimals: 1 };
-    let hammer = &i.bodies[parts.hammer].name;
-    let found = ["mass_g", "inertia_kg_m2"].map(|what| (format!("body.{hammer}.{what}"), 0));
-    if let Some(found) = numbers(file, found) {
+    if let Some(found) = of_parameter(file, &Parameter::Mass(parts.hammer)) {
         let mass = found[0].2;
         let look = look(
             "hammer",
@@ -283,12 +281,12 @@ fn weights(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
         all.push(look.dial(mass, [0.5 * mass, 1.6 * mass], Kind::InProportion(found)));
     }
     let key = &i.bodies[parts.key];
-    let path = |what: &str| format!("body.{}.{what}", key.name);
+    let of_key = |own: FileNumber, which: usize| number(file, &own.path(&key.name), which);
     if let (Some(mass_g), Some(x), Some(y), Some(inertia_kg_m2)) = (
-        number(file, &path("mass_g"), 0),
-        number(file, &path("center_of_mass_mm"), 0),
-        number(file, &path("center_of_mass_mm"), 1),
-        number(file, &path("inertia_kg_m2"), 0),
+        of_key(FileNumber::BODY_MASS, 0),
+        of_key(FileNumber::BODY_CENTER, 0),
+        of_key(FileNumber::BODY_CENTER, 1),
+        of_key(FileNumber::BODY_INERTIA, 0),
     ) {
         let front_mm = i.roles.key_front_m.map(|c| 1e3 * c);
         let pivot = i.drawn()[parts.key].pivot_m.map(|c| 1e3 * c);
@@ -310,8 +308,7 @@ fn felts(file: &InstrumentFile) -> Vec<Dial> {
     let i = &file.instrument;
     let mut all = Vec::new();
     let mut felt = |zone: Option<usize>, look: Look| {
-        let path = zone.map(|zone| (format!("zone.{}.felt.stiffness_N_per_m_r", i.zones[zone].name), 0));
-        if let Some(found) = path.and_then(|path| numbers(file, [path])) {
+        if let Some(found) = zone.and_then(|zone| of_parameter(file, &Parameter::Stiffness(zone))) {
             all.push(look.dial(1.0, [1.0 / FACTOR, FACTOR], Kind::Times(found)));
         }
     };
@@ -339,19 +336,25 @@ fn springs(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
     let dial = |index: usize| {
         let spring = &i.springs[index];
         let whose = root(i, spring.body);
-        let (name, what, label, note) = if !i.bodies[spring.body].is_bend {
+        let (name, parameter, label, note) = if !i.bodies[spring.body].is_bend {
             let note = "a stronger spring: its part is back sooner, and more is felt of it";
-            (format!("{}_spring", spring.name), "torque_N_m", format!("{} spring's torque", spoken(&spring.name)), note)
+            let label = format!("{} spring's torque", spoken(&spring.name));
+            (format!("{}_spring", spring.name), Parameter::Torque(index), label, note)
         } else if whose == root(i, parts.key) {
             let note = "a stiffer key: its front goes less far before the hammer moves";
-            (spring.name.clone(), "stiffness_N_m_per_rad", "key's stiffness in bending".to_owned(), note)
+            (spring.name.clone(), Parameter::SpringStiffness(index), "key's stiffness in bending".to_owned(), note)
         } else if whose == root(i, parts.hammer) {
             let note = "a stiffer shank: the head lags less behind its root when the hammer is thrown hard";
-            (spring.name.clone(), "stiffness_N_m_per_rad", "hammer shank's stiffness in bending".to_owned(), note)
+            (
+                spring.name.clone(),
+                Parameter::SpringStiffness(index),
+                "hammer shank's stiffness in bending".to_owned(),
+                note,
+            )
         } else {
             return None;
         };
-        let found = numbers(file, [(format!("spring.{}.{what}", spring.name), 0)]).filter(|found| found[0].2 != 0.0)?;
+        let found = of_parameter(file, &parameter).filter(|found| found[0].2 != 0.0)?;
         Some(Dial {
             name,
             label,
@@ -370,19 +373,15 @@ fn springs(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
 
 fn friction(file: &InstrumentFile) -> Vec<Dial> {
     let i = &file.instrument;
-    let pivots: Vec<(String, usize)> = i
-        .bodies
-        .iter()
-        .filter(|body| body.friction_torque_n_m > 0.0 && !body.is_bend)
-        .map(|body| (format!("body.{}.friction_torque_N_m", body.name), 0))
-        .collect();
+    let pivots = Parameter::all(i).into_iter().filter(|(_, own)| matches!(own, Parameter::PivotFriction(_)));
+    let pivots = pivots.map(|(_, own)| (own.path(i), 0));
     let look = |name, label, note| Look { name, label, note, group: Group::Friction, unit: "x", decimals: 2 };
     let mut all = Vec::new();
     if let Some(found) = numbers(file, pivots) {
         let look = look("pivots", "friction of all pivots", "tighter pins: down-weight up, up-weight down");
         all.push(look.dial(1.0, [1.0 / FACTOR, FACTOR], Kind::Times(found)));
     }
-    let rubbing = i.roles.knuckle.iter().map(|&zone| (format!("zone.{}.friction_coefficient", i.zones[zone].name), 0));
+    let rubbing = i.roles.knuckle.iter().map(|&zone| (Parameter::Friction(zone).path(i), 0));
     if let Some(found) = numbers(file, rubbing.filter(|(path, _)| number(file, path, 0).is_some_and(|mu| mu > 0.0))) {
         let look =
             look("knuckle_friction", "friction at the knuckle", "rougher jack or knuckle: more is felt at let-off");
