@@ -183,7 +183,7 @@ impl Belief {
 
     /// Whether two grades exclude each other because they belong to one screw or part.
     fn are_at_odds(&self, a: usize, b: usize) -> bool {
-        let part = |atom: usize| causes()[self.atoms[atom].cause].change.as_str();
+        let part = |atom: usize| causes()[self.atoms[atom].cause].change;
         part(a) == part(b)
     }
 

@@ -4,6 +4,8 @@ use std::sync::LazyLock;
 
 use serde::Deserialize;
 
+use crate::regulate::{KnownScrew, known_screw};
+
 /// A cause of faults, with its quick test and its cure.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -15,7 +17,7 @@ pub struct Cause {
     /// Prior odds: frequency of the cause, an estimate.
     pub common: f64,
     /// Change in a simulated action.
-    pub(super) change: String,
+    pub(super) change: Change,
     /// Size of the change in a light, a plain and a heavy case.
     pub(super) amounts: [f64; 3],
     /// Quick test that distinguishes it from the other causes.
@@ -24,6 +26,52 @@ pub struct Cause {
     pub cure: String,
     /// Source in the literature.
     pub source: String,
+}
+
+/// What a cause changes in a simulated action.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "String")]
+pub(super) enum Change {
+    /// Friction of a pivot, by a factor.
+    Friction(Pivot),
+    /// Friction coefficient at the knuckle, by an increase.
+    Knuckle,
+    /// Setting of a screw along its reference, m; of a spring as a share of its torque.
+    Screw(&'static KnownScrew),
+    /// Mass of the hammer, g.
+    Hammer,
+    /// Front weight of the key, g.
+    FrontWeight,
+    /// Place of the capstan line, mm.
+    Capstan,
+}
+
+/// A part on a pin.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Pivot {
+    Key,
+    Hammer,
+    Whippen,
+}
+
+impl TryFrom<String> for Change {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        Ok(match text.as_str() {
+            "friction:key" => Change::Friction(Pivot::Key),
+            "friction:hammer" => Change::Friction(Pivot::Hammer),
+            "friction:whippen" => Change::Friction(Pivot::Whippen),
+            "knuckle" => Change::Knuckle,
+            "hammer" => Change::Hammer,
+            "front_weight" => Change::FrontWeight,
+            "capstan" => Change::Capstan,
+            other => {
+                let screw = other.strip_prefix("screw:").and_then(known_screw);
+                Change::Screw(screw.ok_or_else(|| format!("unknown change `{other}`"))?)
+            }
+        })
+    }
 }
 
 #[derive(Deserialize)]

@@ -3,10 +3,11 @@
 use erard::Progress;
 use erard::grand::Anatomy;
 use erard::instrument::Instrument;
+use erard::parameter::Parameter;
 
-use super::cause::Cause;
+use super::cause::{Cause, Change, Pivot};
 use crate::measure::MeasureError;
-use crate::regulate::known_screw;
+use crate::regulate::KnownScrew;
 use crate::worklist::Work;
 
 /// Returns the amount of a cause in a case: 1 is the light one of `causes.toml`, 2 the plain one, 3 the heavy one, with
@@ -30,33 +31,33 @@ pub fn inject(
 ) -> Result<Instrument, MeasureError> {
     let mut changed = instrument.clone();
     let signed = if undo { -amount } else { amount };
-    let (kind, of) = cause.change.split_once(':').unwrap_or((&cause.change, ""));
-    match kind {
-        "friction" => {
+    match cause.change {
+        Change::Friction(pivot) => {
             let anatomy = Anatomy::find(instrument)?;
-            let body = match of {
-                "key" => anatomy.key,
-                "hammer" => anatomy.hammer,
-                _ => anatomy.whippen,
+            let body = match pivot {
+                Pivot::Key => anatomy.key,
+                Pivot::Hammer => anatomy.hammer,
+                Pivot::Whippen => anatomy.whippen,
             };
             let factor = if undo { 1.0 / amount } else { amount };
-            changed.bodies[instrument.first_piece(body)].friction_torque_n_m *= factor;
+            // The table's factors are positive.
+            let _ = Parameter::PivotFriction(instrument.first_piece(body)).vary(&mut changed, factor);
         }
-        "knuckle" => {
+        Change::Knuckle => {
             let zone = &mut changed.zones[Anatomy::find(instrument)?.jack_knuckle];
             zone.friction_coefficient = (zone.friction_coefficient + signed).max(0.0);
         }
-        "screw" => turn(&mut changed, of, signed),
-        "hammer" => Work::Hammer { by_g: signed }.carry_out(&mut changed, progress)?,
-        "front_weight" => Work::FrontWeight { by_g: signed }.carry_out(&mut changed, progress)?,
-        _ => Work::Capstan { by_mm: signed }.carry_out(&mut changed, progress)?,
+        Change::Screw(known) => turn(&mut changed, known, signed),
+        Change::Hammer => Work::Hammer { by_g: signed }.carry_out(&mut changed, progress)?,
+        Change::FrontWeight => Work::FrontWeight { by_g: signed }.carry_out(&mut changed, progress)?,
+        Change::Capstan => Work::Capstan { by_mm: signed }.carry_out(&mut changed, progress)?,
     }
     Ok(changed)
 }
 
 /// Turns a screw in the direction of technicians' words; a spring by a share of its torque.
-fn turn(instrument: &mut Instrument, name: &str, by: f64) {
-    let (Some(screw), Some(known)) = (instrument.screw(name), known_screw(name)) else { return };
+fn turn(instrument: &mut Instrument, known: &KnownScrew, by: f64) {
+    let Some(screw) = instrument.screw(known.name) else { return };
     let turned = &instrument.screws[screw];
     let by = match turned.action {
         erard::instrument::ScrewAction::Spring { spring } => {
