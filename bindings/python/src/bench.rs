@@ -15,7 +15,7 @@ use erard_workshop::measure::{measure as measure_all, measure_some};
 use erard_workshop::regulate::{
     Goal, Miss, RegulateError, Specification, parse_value, regulate as turn, regulate_following, show,
 };
-use erard_workshop::weighing::weigh;
+use erard_workshop::weighing::{WeighedKey, Weights, weigh};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -268,8 +268,9 @@ pub(crate) fn keyboard<'py>(
     let columns = PyDict::new(py);
     columns.set_item("key", weighed.iter().map(|one| one.key).collect::<Vec<_>>())?;
     columns.set_item("note", weighed.iter().map(|one| one.note.clone()).collect::<Vec<_>>())?;
-    let number = |get: &dyn Fn(&erard_workshop::weighing::WeighedKey) -> Option<f64>| {
-        array(py, weighed.iter().map(|one| get(one).unwrap_or(f64::NAN)).collect())
+    let number = |get: &dyn Fn(&Weights) -> Option<f64>| {
+        let of = |one: &WeighedKey| one.weights.as_ref().ok().and_then(get).unwrap_or(f64::NAN);
+        array(py, weighed.iter().map(of).collect())
     };
     columns.set_item("hammer_mass_g", number(&|one| Some(one.hammer_mass_g)))?;
     columns.set_item("strike_weight_g", number(&|one| Some(one.strike_weight_g)))?;
@@ -279,7 +280,10 @@ pub(crate) fn keyboard<'py>(
     columns.set_item("balance_weight_g", number(&|one| one.touch.balance_weight_g()))?;
     columns.set_item("friction_weight_g", number(&|one| one.touch.friction_weight_g()))?;
     columns.set_item("mf_hammer_speed_m_per_s", number(&|one| one.test_press.hammer_speed_m_per_s))?;
-    columns.set_item("trusted", weighed.iter().map(|one| one.test_press.warnings.is_empty()).collect::<Vec<_>>())?;
+    let is_trusted =
+        |one: &WeighedKey| one.weights.as_ref().is_ok_and(|weights| weights.test_press.warnings.is_empty());
+    columns.set_item("trusted", weighed.iter().map(is_trusted).collect::<Vec<_>>())?;
+    columns.set_item("error", weighed.iter().map(|one| one.error().unwrap_or_default()).collect::<Vec<_>>())?;
     Ok((keyboard.name.clone(), columns))
 }
 

@@ -55,8 +55,8 @@ impl Work {
 }
 
 /// Returns arrays of the results of every job: a study's columns, `impacts` (time and speed of each), `failed`,
-/// `trusted`, `energy_residual_relative`, `errors` by the job's index, `doubts` as sentences, and the samples, one row
-/// for each job.
+/// `trusted`, `energy_residual_relative`, `error` (empty if it did not fail), `doubts` as sentences, and the samples,
+/// one row for each job.
 fn arrays<'py>(
     py: Python<'py>,
     outcomes: &[OwnResult],
@@ -78,8 +78,10 @@ fn arrays<'py>(
     all.set_item("failed", PyArray1::from_vec(py, failed))?;
     let trusted: Vec<bool> = outcomes.iter().map(|one| got(one).is_some_and(|p| p.warnings.is_empty())).collect();
     all.set_item("trusted", PyArray1::from_vec(py, trusted))?;
-    let errors = outcomes.iter().enumerate().filter_map(|(at, one)| Some((at, one.as_ref().err()?.clone())));
-    all.set_item("errors", errors.collect::<Vec<(usize, String)>>())?;
+    all.set_item(
+        "error",
+        outcomes.iter().map(|one| one.as_ref().err().cloned().unwrap_or_default()).collect::<Vec<_>>(),
+    )?;
     all.set_item("doubts", doubts(outcomes.iter()))?;
     let impacts: Vec<Vec<(f64, f64)>> = outcomes
         .iter()
@@ -200,7 +202,7 @@ pub(crate) fn rollout<'py>(
 /// varies fastest, forces fastest of all. Values are in SI units, of a number of the file in its own.
 ///
 /// Returns the results of every stroke, and `varied`, a column for each name and for the forces, and `measured`, one
-/// for each line.
+/// for each line. `error` also says why nothing was measured.
 #[pyfunction]
 #[pyo3(signature = (instrument, axes, stroke, forces, rows, measure, duration, steps, work, progress))]
 #[allow(clippy::too_many_arguments)]
@@ -253,8 +255,10 @@ pub(crate) fn study<'py>(
     };
     let varied = columns(axes.len(), &|row, k| row.values.get(k).copied());
     let measured = columns(lines.len(), &|row, k| *row.measured.as_ref().ok()?.get(k)?);
+    let errors: Vec<String> = rows.iter().map(|row| row.error().unwrap_or_default()).collect();
     let outcomes: Vec<OwnResult> = rows.into_iter().map(|row| row.outcome).collect();
     let all = arrays(py, &outcomes, &[], 0)?;
+    all.set_item("error", errors)?;
     all.set_item("varied", varied)?;
     all.set_item("measured", measured)?;
     Ok(all)

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import erard
+import numpy as np
 import pytest
 
 
@@ -111,12 +112,23 @@ def test_geometry_keyboard_and_comparison(grand: erard.Instrument, run: erard.Ru
         erard.kinematics("c8")
     keys = erard.keyboard(keys=[40])
     assert list(keys["note"]) == ["C4"] and keys.to_arrow().num_rows == 1
+    assert list(keys["error"]) == [""]
     with pytest.raises(erard.InputError, match="1 to 88"):
         erard.keyboard(keys=[0])
     compared = grand.compare(run, drives=["force"], models=["action"])
     assert compared.errors[0]["explained"] > 0.9999 and compared.verdicts
     with pytest.raises(erard.InputError, match="force, motion or rigid"):
         grand.compare(run, drives=["magic"])
+
+
+def test_a_key_that_cannot_be_weighed_has_its_reason(tmp_path: Path) -> None:
+    (tmp_path / "grand.toml").write_text(erard.load("concert-grand").text)
+    leads = 'name = "leads"\nbody = "key"\nat_mm = [-100, 0]\nmass_g = [{ key = 40, value = 0 }, { key = 88, value = 300 }]'
+    head = 'format = "erard-keyboard/1"\nname = "Mine"\ninstrument = "grand.toml"\ninstrument_key = 40'
+    (tmp_path / "mine.toml").write_text(f"{head}\n\n[[added_mass]]\n{leads}\n")
+    keys = erard.keyboard(tmp_path / "mine.toml", keys=[40, 88])
+    assert keys["error"][0] == "" and "slowly pressed key" in keys["error"][1]
+    assert np.isnan(keys["down_weight_g"][1]) and not keys["trusted"][1] and keys["down_weight_g"][0] > 0
 
 
 @pytest.mark.slow

@@ -86,8 +86,24 @@ def test_studies(grand: erard.Instrument) -> None:
     fails = erard.study(grand, {"body.hammer.mass": [1e-3 * grams, -1.0]}, force=5.0)
     assert list(fails["failed"]) == [False, True] and "cannot be varied" in fails.errors[1]
     assert np.isnan(fails["hammer_speed_m_per_s"][1])
+    assert list(fails["error"]) == ["", fails.errors[1]] and list(fails.errors) == [1] and "1 failed" in repr(fails)
+    frame = fails.to_pandas()
+    assert list(frame["error"]) == list(fails["error"]) and fails.to_arrow()["error"].to_pylist() == list(fails["error"])
+    assert pickle.loads(pickle.dumps(fails)) == fails
     with pytest.raises(erard.InputError, match="nothing is varied"):
         erard.study(grand, force=5.0)
+
+
+def test_a_variant_that_fails_has_its_reason(grand: erard.Instrument) -> None:
+    """A number that the reader refuses, and a screw at which nothing can be measured: rows, beside others that stand."""
+    grams = 1e3 * grand.parameters["body.hammer.mass"].value
+    by_path = erard.study(grand, {"body.hammer.mass_g": [grams, -1.0]}, force=5.0, duration=0.1)
+    assert list(by_path["failed"]) == [False, True] and "mass_g" in by_path["error"][1]
+    own = grand.parameters["capstan_height"].value
+    sheet = erard.study(grand, capstan_height=[own, own + 0.02], force=5.0, duration=0.1, measure=["key_ratio"])
+    assert not sheet["failed"].any() and np.isnan(sheet["key_ratio"][1]) and sheet["key_ratio"][0] > 1
+    assert sheet["error"][0] == "" and sheet["error"][1].startswith("not measured: cannot be measured")
+    assert sheet.errors == {1: sheet["error"][1]} and "failed" not in repr(sheet)
 
 
 def test_what_is_varied_has_units_and_is_drawn_over(grand: erard.Instrument) -> None:

@@ -16,7 +16,7 @@ use erard_figures::figure::{Dash, Figure, Panel, Trace, figure_picture};
 const SAMPLES: [usize; 8] = [1, 16, 17, 40, 41, 64, 65, 88];
 
 /// The columns.
-const COLUMNS: [&str; 11] = [
+const COLUMNS: [&str; 12] = [
     "key",
     "note",
     "hammer_mass_g",
@@ -28,13 +28,21 @@ const COLUMNS: [&str; 11] = [
     "friction_weight_g",
     "mf_hammer_speed_m_per_s",
     "trusted",
+    "error",
 ];
+/// Where the trust in a row is among its numbers.
+const TRUSTED: usize = 8;
 /// Of these stand in the text: those in grams.
 const GRAMS: std::ops::Range<usize> = 2..9;
 
 /// The numbers of a row, in the order of the columns after the note; not a number where there is none.
 fn numbers(weighed: &WeighedKey) -> [f64; 9] {
     let number = |weight: Option<f64>| weight.unwrap_or(f64::NAN);
+    let Ok(weighed) = &weighed.weights else {
+        let mut none = [f64::NAN; 9];
+        none[TRUSTED] = 0.0;
+        return none;
+    };
     [
         weighed.hammer_mass_g,
         weighed.strike_weight_g,
@@ -46,6 +54,13 @@ fn numbers(weighed: &WeighedKey) -> [f64; 9] {
         number(weighed.test_press.hammer_speed_m_per_s),
         f64::from(u8::from(weighed.test_press.warnings.is_empty())),
     ]
+}
+
+/// Keys without all of their weights, each with the reason, and why others cannot be trusted.
+pub(crate) fn warnings(weighed: &[WeighedKey]) -> Vec<String> {
+    let failed = weighed.iter().filter_map(|one| Some(format!("key {}: {}", one.key, one.error()?)));
+    let tried = weighed.iter().filter_map(|one| Some((one.key, &one.weights.as_ref().ok()?.test_press)));
+    failed.chain(doubts(tried)).collect()
 }
 
 /// Why keys cannot be trusted, each tried with its number: of every kind and part how many keys, and the worst of
@@ -94,11 +109,11 @@ pub(crate) fn table(weighed: &[WeighedKey]) -> Table<'static> {
     let table = Table::default()
         .optional(COLUMNS[0], weighed.iter().map(|one| Some(one.key as f64)))
         .words(COLUMNS[1], weighed.iter().map(|one| one.note.clone()));
-    COLUMNS
+    let table = COLUMNS[2..=2 + TRUSTED]
         .iter()
-        .skip(2)
         .enumerate()
-        .fold(table, |table, (index, name)| table.optional(*name, weighed.iter().map(|one| Some(numbers(one)[index]))))
+        .fold(table, |table, (index, name)| table.optional(*name, weighed.iter().map(|one| Some(numbers(one)[index]))));
+    table.words(COLUMNS[3 + TRUSTED], weighed.iter().map(|one| one.error().unwrap_or_default()))
 }
 
 /// What the abscissa over the keys of a piano counts.

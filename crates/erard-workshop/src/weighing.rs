@@ -9,13 +9,36 @@ use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
 use erard::keyboard::note_name;
 
-/// Weights of a key.
+/// A key on the bench.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WeighedKey {
     /// Number of the key, from 1.
     pub key: usize,
     /// Note name, e.g. `C4`.
     pub note: String,
+    /// Its weights, or the reason why it cannot be weighed.
+    pub weights: Result<Weights, String>,
+}
+
+impl WeighedKey {
+    /// Reason why the key has no weights, or why some of them, or its hammer speed, are missing.
+    #[must_use]
+    pub fn error(&self) -> Option<String> {
+        let weights = match &self.weights {
+            Ok(weights) => weights,
+            Err(error) => return Some(error.clone()),
+        };
+        if weights.touch.balance_weight_g().is_none() {
+            return Some("in a slow loop the key does not sink, or does not come up".to_owned());
+        }
+        let strikes = weights.test_press.hammer_speed_m_per_s.is_some();
+        (!strikes).then(|| "pressed mezzo forte, the hammer does not reach the string".to_owned())
+    }
+}
+
+/// Weights of a key.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weights {
     /// Mass of the hammer with its shank, g.
     pub hammer_mass_g: f64,
     /// Weight of the strike point on the scale, the hammer on its pin and its shank level, g.
@@ -29,11 +52,26 @@ pub struct WeighedKey {
 }
 
 /// Weighs keys, each given with its number. `progress` receives the share done, and ends the work by returning false.
+/// A key that cannot be weighed does not stop the others.
 ///
 /// # Errors
-/// See [`MeasureError`].
+/// An interruption, or the first key's error if none can be weighed.
 pub fn weigh(keys: &[(usize, Instrument)], progress: &mut Progress<'_>) -> Result<Vec<WeighedKey>, MeasureError> {
-    cores::map(keys, cores::count(), progress, |(key, instrument), progress| weigh_key(*key, instrument, progress))
+    let weigh =
+        |(_, instrument): &(usize, Instrument), progress: &mut Progress<'_>| match weigh_key(instrument, progress) {
+            Err(error) if error.is_interruption() => Err(error),
+            found => Ok(found),
+        };
+    let mut found: Vec<Result<Weights, MeasureError>> = cores::map(keys, cores::count(), progress, weigh)?;
+    if found.iter().all(Result::is_err) && !found.is_empty() {
+        return Err(found.swap_remove(0).err().unwrap_or(MeasureError::Lost));
+    }
+    let rows = keys.iter().zip(found).map(|((key, _), weights)| WeighedKey {
+        key: *key,
+        note: note_name(*key),
+        weights: weights.map_err(|error| error.to_string()),
+    });
+    Ok(rows.collect())
 }
 
 /// A key's weights from a slow loop, dampers lifted, and its free travel, m.
@@ -71,14 +109,12 @@ impl Scale {
     }
 }
 
-fn weigh_key(key: usize, instrument: &Instrument, progress: &mut Progress<'_>) -> Result<WeighedKey, MeasureError> {
+fn weigh_key(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Weights, MeasureError> {
     let (weights, way_m) = loop_weights(instrument, progress)?;
     let (scale, _) = on_the_scale(instrument, way_m, weights.decided_m)?;
     let rigid = instrument.locked();
-    Ok(WeighedKey {
+    Ok(Weights {
         test_press: test_press(instrument, progress)?,
-        key,
-        note: note_name(key),
         // Rounded to remove the rounding errors of a sum.
         hammer_mass_g: (rigid.bodies[Parts::of(&rigid)?.hammer].mass_kg * 1e12).round() / 1e9,
         strike_weight_g: scale.strike_weight_g,

@@ -792,8 +792,8 @@ def keyboard(
     Returns
     -------
     Keyboard
-        Columns `key`, `note`, hammer mass, strike, front, down-, up-, balance and friction weight in g, and the hammer
-        speed of a mezzo forte, m/s.
+        Columns `key`, `note`, hammer mass, strike, front, down-, up-, balance and friction weight in g, the hammer
+        speed of a mezzo forte, m/s, `trusted`, and `error`: why numbers of this key are nan, else empty.
 
     Examples
     --------

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     Axis = Union[float, Sequence[float], NDArray[Any]]
 
-#: Columns of results that every stroke has, besides its samples.
+#: Columns of results that every stroke has, besides its samples and `error`.
 OUTCOMES = (
     "key_start_s",
     "toe_contact_s",
@@ -54,17 +54,32 @@ def outcomes(found: dict[str, Any]) -> dict[str, NDArray[Any]]:
     columns = {name: found[name] for name in OUTCOMES}
     columns["impact_count"] = np.nan_to_num(columns["impact_count"]).astype(np.int64)
     columns["unconverged_steps"] = np.nan_to_num(columns["unconverged_steps"]).astype(np.int64)
+    columns["error"] = np.array(found["error"], dtype=object)
     for values in columns.values():
         values.flags.writeable = False
     return columns
 
 
-class Rollout(Table):
+class Strokes(Table):
+    """Results of many strokes, one row for each."""
+
+    @property
+    def errors(self) -> dict[int, str]:
+        """Reasons of failed strokes and measurements, by row; their results are nan."""
+        return {row: error for row, error in enumerate(self["error"]) if error}
+
+    def _failed(self) -> str:
+        """Returns the number of failed strokes, in words."""
+        count = int(np.count_nonzero(self["failed"]))
+        return f", {count} failed" if count else ""
+
+
+class Rollout(Strokes):
     """Results of N strokes of T samples.
 
     Columns of shape (N,) hold the results of every stroke, by the names of a study's columns: times such as
-    `let_off_s`, s, nan for events that did not happen; `hammer_speed_m_per_s`; `impact_count`; `failed`; `trusted`.
-    Columns of shape (N, T) hold the samples at `time_s`.
+    `let_off_s`, s, nan for events that did not happen; `hammer_speed_m_per_s`; `impact_count`; `failed`; `trusted`;
+    `error`, the reason of a failed stroke, else empty. Columns of shape (N, T) hold the samples at `time_s`.
 
     Attributes
     ----------
@@ -82,13 +97,12 @@ class Rollout(Table):
         self,
         time_s: NDArray[np.float64],
         columns: dict[str, NDArray[Any]],
-        errors: dict[int, str],
         doubts: list[str],
         impacts: list[list[tuple[float, float]]],
     ) -> None:
         super().__init__(columns)
         time_s.flags.writeable = False
-        self.time_s, self.errors, self.doubts, self.impacts = time_s, errors, doubts, impacts
+        self.time_s, self.doubts, self.impacts = time_s, doubts, impacts
 
     def to_xarray(self) -> xarray.Dataset:
         """Returns a labelled data set with the dimensions `stroke` and `time_s`, and units as attributes.
@@ -109,15 +123,13 @@ class Rollout(Table):
 
     def __repr__(self) -> str:
         count = len(self["failed"])
-        failed = f", {len(self.errors)} failed" if self.errors else ""
         sampled = ", ".join(name for name, values in self.items() if values.ndim == 2) or "nothing"
-        return f"<erard.Rollout of {count} strokes{failed}; {len(self.time_s)} samples of {sampled}>"
+        return f"<erard.Rollout of {count} strokes{self._failed()}; {len(self.time_s)} samples of {sampled}>"
 
     def __getstate__(self) -> dict[str, Any]:
         return {
             "columns": {name: np.asarray(values) for name, values in self.items()},
             "time_s": np.asarray(self.time_s),
-            "errors": self.errors,
             "doubts": self.doubts,
             "impacts": self.impacts,
         }
@@ -125,7 +137,7 @@ class Rollout(Table):
     def __setstate__(self, state: dict[str, Any]) -> None:
         for values in state["columns"].values():
             values.flags.writeable = False
-        Rollout.__init__(self, state["time_s"], state["columns"], state["errors"], state["doubts"], state["impacts"])
+        Rollout.__init__(self, state["time_s"], state["columns"], state["doubts"], state["impacts"])
 
 
 def divided(dt: float, own: Steps, instruments: Sequence[Instrument]) -> tuple[Steps, int]:
@@ -223,15 +235,15 @@ def rollout(
     for samples in sampled.values():
         samples.flags.writeable = False
     time_s = dt * np.arange(array.shape[1], dtype=np.float64)
-    errors, doubts, impacts = dict(found_all["errors"]), found_all["doubts"], found_all.get("impacts", [])
-    return Rollout(time_s, outcomes(found_all) | sampled, errors, doubts, impacts)
+    return Rollout(time_s, outcomes(found_all) | sampled, found_all["doubts"], found_all["impacts"])
 
 
-class Study(Table):
+class Study(Strokes):
     """Results of a stroke on many variants of an instrument: one row for each combination of varied values; the last
     name varies fastest.
 
     Columns are the varied values by name, then the results by the names of a study's columns, then the measured lines.
+    A variant that cannot be made, played or measured has nan in its row and the reason in the column `error`.
 
     Attributes
     ----------
@@ -247,12 +259,11 @@ class Study(Table):
         self,
         axes: dict[str, NDArray[np.float64]],
         columns: dict[str, NDArray[Any]],
-        errors: dict[int, str],
         doubts: list[str],
         axis_units: Mapping[str, str] | None = None,
     ) -> None:
         super().__init__(columns)
-        self.axes, self.errors, self.doubts = axes, errors, doubts
+        self.axes, self.doubts = axes, doubts
         self._own_units = dict(axis_units or {})
 
     @property
@@ -303,18 +314,17 @@ class Study(Table):
 
     def __repr__(self) -> str:
         over = " x ".join(f"{len(values)} {name}" for name, values in self.axes.items())
-        failed = f", {len(self.errors)} failed" if self.errors else ""
-        return f"<erard.Study over {over}: {len(self['failed'])} strokes{failed}>"
+        return f"<erard.Study over {over}: {len(self['failed'])} strokes{self._failed()}>"
 
     def __getstate__(self) -> dict[str, Any]:
         columns = {name: np.asarray(values) for name, values in self.items()}
-        own = {"axes": self.axes, "columns": columns, "errors": self.errors, "doubts": self.doubts}
+        own = {"axes": self.axes, "columns": columns, "doubts": self.doubts}
         return own | {"axis_units": dict(self._own_units)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for values in state["columns"].values():
             values.flags.writeable = False
-        Study.__init__(self, state["axes"], state["columns"], state["errors"], state["doubts"], state["axis_units"])
+        Study.__init__(self, state["axes"], state["columns"], state["doubts"], state["axis_units"])
 
 
 def study(
@@ -400,7 +410,7 @@ def study(
     columns = rows | outcomes(found) | dict(zip(measure, found["measured"], strict=True))
     for values in columns.values():
         values.flags.writeable = False
-    return Study(axes, columns, dict(found["errors"]), found["doubts"], units)
+    return Study(axes, columns, found["doubts"], units)
 
 
 def played(

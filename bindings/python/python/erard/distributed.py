@@ -174,15 +174,16 @@ def _study_chunk(index: int, shared: tuple[Any, ...], rows: tuple[int, int]) -> 
     keep = work(options["threads"], options["single"], True)
     found = played(instrument, axes, made, forces, rows, [], options["duration"], own, keep, None)
     columns = dict(zip([*axes, "force_N"], found["varied"], strict=False))
-    _write(folder, index, columns | outcomes(found), dict(found["errors"]))
+    _write(folder, index, columns | outcomes(found))
     return index
 
 
-def _write(folder: str, index: int, columns: dict[str, Any], errors: dict[int, str]) -> None:
+def _write(folder: str, index: int, columns: dict[str, Any]) -> None:
     import pyarrow as pa
 
     from ._common import unit_of
 
+    errors = columns.pop("error")
     fields, arrays = [], []
     for name, values in columns.items():
         metadata = {"unit": unit_of(name)}
@@ -193,9 +194,8 @@ def _write(folder: str, index: int, columns: dict[str, Any], errors: dict[int, s
             array = pa.array(np.ascontiguousarray(values))
         fields.append(pa.field(name, array.type, metadata=metadata))
         arrays.append(array)
-    count = len(arrays[0])
     fields.append(pa.field("error", pa.string()))
-    arrays.append(pa.array([errors.get(row) for row in range(count)], pa.string()))
+    arrays.append(pa.array([error or None for error in errors], pa.string()))
     path = Path(folder) / f"part-{index:06d}.parquet"
     write_parquet(path, pa.Table.from_arrays(arrays, schema=pa.schema(fields)))
 
@@ -288,7 +288,7 @@ def _rollout_chunk(index: int, shared: tuple[Any, ...], rows: np.ndarray) -> int
     instrument, folder, kind, options = shared
     arguments: dict[str, Any] = {kind: rows, **options}
     found = _rollout(instrument, **arguments, progress=False)
-    _write(folder, index, dict(found), found.errors)
+    _write(folder, index, dict(found))
     return index
 
 

@@ -58,6 +58,42 @@ impl BandRow {
     }
 }
 
+/// Values with their bands, and the samples that are missing in them.
+#[derive(Debug)]
+pub(crate) struct Banded {
+    pub rows: Vec<BandRow>,
+    pub failed: Vec<FailedSample>,
+}
+
+/// A sample without some of its values, or without any.
+#[derive(Debug, Serialize)]
+pub(crate) struct FailedSample {
+    /// Its number, from 1.
+    pub sample: u32,
+    /// Why.
+    pub error: String,
+}
+
+/// Name of the table of samples that failed.
+const FAILED: &str = "failed-samples.csv";
+
+impl Banded {
+    /// Stages the table of samples that failed, if some did.
+    pub(crate) fn stage_failed(&self, session: &Session, output: &mut Output) -> Result<(), Failure> {
+        if self.failed.is_empty() {
+            return Ok(());
+        }
+        output.table(session, FAILED, &Table::of_records(&self.failed)?)
+    }
+
+    /// Stages `bands.csv` and `bands.json`, and the samples that failed.
+    pub(crate) fn stage(&self, session: &Session, output: &mut Output) -> Result<(), Failure> {
+        output.json(session, "bands.json", &self.rows)?;
+        output.table(session, "bands.csv", &Table::of_records(&self.rows)?)?;
+        self.stage_failed(session, output)
+    }
+}
+
 /// What a value is called, and its unit.
 pub(crate) type Named = (String, String);
 
@@ -72,7 +108,7 @@ pub(crate) fn bands(
     own: &[Option<f64>],
     kept: Option<(&str, &str)>,
     values: impl Fn(&Instrument, &str, &mut erard::Progress<'_>) -> Result<SampleValues, SampleError> + Sync,
-) -> Result<Vec<BandRow>, Failure> {
+) -> Result<Banded, Failure> {
     let samples = samples(session, asked)?;
     let file_name = asked.to_string();
     let mut progress = session.progress("sampling");
@@ -81,12 +117,12 @@ pub(crate) fn bands(
         // A sample that an earlier version kept without any value is tried again for its reason.
         let is_whole = |known: &Vec<Option<f64>>| known.len() == names.len() && known.iter().any(Option::is_some);
         if let Some(known) = known.filter(is_whole) {
-            return Ok(Ok(known));
+            return Ok(Ok(known).into());
         }
         let instrument = Instrument::parse(text, &file_name)?;
         let values = values(&instrument, text, progress)?;
-        if let (Some((kind, of)), Ok(values)) = (kept, &values)
-            && let Ok(json) = serde_json::to_string(values)
+        if let (Some((kind, of)), None) = (kept, &values.error)
+            && let Ok(json) = serde_json::to_string(&values.values)
         {
             cache::put(kind, &[of, text], &json);
         }
@@ -95,13 +131,10 @@ pub(crate) fn bands(
     drop(progress);
     failures(&found).iter().for_each(|line| warn!(session, "warning: {line}"));
     let rows = names.iter().zip(own).zip(sample::bands(&found, names.len()));
-    Ok(rows.map(|(((name, unit), own), band)| BandRow::new(name.clone(), unit.clone(), *own, band)).collect())
-}
-
-/// Stages `bands.csv` and `bands.json`.
-pub(crate) fn stage(session: &Session, rows: &[BandRow], output: &mut Output) -> Result<(), Failure> {
-    output.json(session, "bands.json", &rows)?;
-    output.table(session, "bands.csv", &Table::of_records(&rows)?)
+    let rows = rows.map(|(((name, unit), own), band)| BandRow::new(name.clone(), unit.clone(), *own, band)).collect();
+    let failed =
+        (1..).zip(found).filter_map(|(sample, one)| Some(FailedSample { sample, error: one.error? })).collect();
+    Ok(Banded { rows, failed })
 }
 
 /// The rows for people.

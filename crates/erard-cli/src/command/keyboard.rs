@@ -12,7 +12,7 @@ use super::weigh::WeighOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::instruments::{KeyboardKey, load_keyboard};
-use crate::keyboard::{doubts, pair, table, text, weighed_picture};
+use crate::keyboard::{pair, table, text, warnings, weighed_picture};
 use crate::number::whole;
 use crate::print_line;
 use crate::session::Session;
@@ -70,7 +70,7 @@ impl Keyboard {
         print_line!(session, "{} - 88 keys, {} of them weighed", keyboard.name, weighed.len());
         print_line!(session);
         print_line!(session, "{}", text(&weighed).trim_end_matches('\n'));
-        let doubts = doubts(weighed.iter().map(|one| (one.key, &one.test_press)));
+        let doubts = warnings(&weighed);
         for doubt in &doubts {
             warn!(session, "warning: {doubt}");
         }
@@ -114,16 +114,15 @@ impl Keyboard {
         print_line!(session, "88 keys each, {} of them weighed", sides[0].weighed.len());
         print_line!(session);
         print_line!(session, "{}", pair::text(&sides).trim_end_matches('\n'));
-        let mut warnings = Vec::new();
+        let mut all = Vec::new();
         for side in &sides {
-            let doubts = doubts(side.weighed.iter().map(|one| (one.key, &one.test_press)));
-            warnings.extend(doubts.iter().map(|doubt| format!("{}: {doubt}", side.name)));
+            all.extend(warnings(&side.weighed).iter().map(|doubt| format!("{}: {doubt}", side.name)));
         }
-        for warning in &warnings {
+        for warning in &all {
             warn!(session, "warning: {warning}");
         }
         print_line!(session);
         print_line!(session, "{written}");
-        Ok(Answer::of(&report)?.with("warnings", &warnings)?.files(&written))
+        Ok(Answer::of(&report)?.with("warnings", &all)?.files(&written))
     }
 }

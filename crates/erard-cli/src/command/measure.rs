@@ -245,18 +245,19 @@ impl Measure {
         let names: Vec<bands::Named> = lines.iter().map(|line| (line.key.to_owned(), line.unit.to_owned())).collect();
         let keys: Vec<&str> = lines.iter().map(|line| line.key).collect();
         let kept = keys.join(",");
-        let rows =
+        let banded =
             bands::bands(session, asked, count, &names, &own, Some(("measured", &kept)), |instrument, _, progress| {
-                unless_interrupted(measure_some(instrument, &lines, progress))
+                unless_interrupted(measure_some(instrument, &lines, progress)).map(Into::into)
             })?;
-        bands::stage(session, &rows, &mut output)?;
+        banded.stage(session, &mut output)?;
         let written = output.commit(session)?;
         print_line!(session, "{} - values and bands over {count} samples", one.label);
         print_line!(session);
-        bands::lines(&rows, count).iter().for_each(|line| print_line!(session, "{line}"));
+        bands::lines(&banded.rows, count).iter().for_each(|line| print_line!(session, "{line}"));
         print_line!(session);
         print_line!(session, "{written}");
-        Ok(Answer::default().with("bands", &rows)?.files(&written))
+        let answer = Answer::default().with("bands", &banded.rows)?.with("failed_samples", &banded.failed)?;
+        Ok(answer.files(&written))
     }
 
     /// One row per instrument.
@@ -268,17 +269,29 @@ impl Measure {
         let named = self.named(session, asked)?;
         let mut output = self.out.prepare(session, "measure", &["measure.csv", "measure.json"])?;
         let mut progress = session.progress("measuring");
-        let measure = |one: &Named, progress: &mut erard::Progress<'_>| {
-            measure_some(&one.instrument, &lines, progress).map_err(|error| Unmeasured::from((one, error)))
-        };
-        let found = cores::map(&named, cores::count(), &mut |share| progress.tell(share), measure)
-            .map_err(|error: Unmeasured| Failure::Measure { label: error.label, error: error.error })?;
+        let measure =
+            |one: &Named, progress: &mut erard::Progress<'_>| match measure_some(&one.instrument, &lines, progress) {
+                Err(error) if error.is_interruption() => Err(Unmeasured::from((one, error))),
+                found => Ok(found.map_err(|error| Unmeasured::from((one, error)))),
+            };
+        let failure = |error: Unmeasured| Failure::Measure { label: error.label, error: error.error };
+        let mut found =
+            cores::map(&named, cores::count(), &mut |share| progress.tell(share), measure).map_err(failure)?;
         drop(progress);
-        let measured: Vec<MeasuredRow> = named
-            .into_iter()
-            .zip(found)
-            .map(|(one, values)| MeasuredRow { label: one.label, key: one.instrument.key(), values })
-            .collect();
+        if found.iter().all(Result::is_err)
+            && let Err(first) = found.swap_remove(0)
+        {
+            return Err(failure(first));
+        }
+        let row = |(one, found): (Named, Result<Vec<Option<f64>>, Unmeasured>)| MeasuredRow {
+            label: one.label,
+            key: one.instrument.key(),
+            values: found.map_err(|unmeasured| unmeasured.error.to_string()),
+        };
+        let measured: Vec<MeasuredRow> = named.into_iter().zip(found).map(row).collect();
+        for (label, error) in measured.iter().filter_map(|row| Some((&row.label, row.values.as_ref().err()?))) {
+            warn!(session, "warning: {label}: {error}");
+        }
         output.table(session, "measure.csv", &rows::table(&lines, &measured))?;
         let report = rows::json(&lines, &measured);
         output.json(session, "measure.json", &report)?;

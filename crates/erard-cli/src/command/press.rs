@@ -13,7 +13,7 @@ use erard::run::{Setup, simulate_observed};
 use erard::strings::Pedal;
 use erard::stroke::Columns;
 
-use super::bands::{self, BandOptions, BandRow};
+use super::bands::{self, BandOptions, Banded};
 use super::hand::described;
 use super::options::{InstrumentsOption, StepOptions, Stroke, StrokeOptions, check};
 use super::out::OutOptions;
@@ -180,9 +180,9 @@ impl Press {
         }
         let banded = match self.bands.bands {
             Some(count) => {
-                let rows = self.banded(session, &summary, &stroke, &setup, count)?;
-                bands::stage(session, &rows, &mut output)?;
-                Some((rows, count))
+                let banded = self.banded(session, &summary, &stroke, &setup, count)?;
+                banded.stage(session, &mut output)?;
+                Some((banded, count))
             }
             None => None,
         };
@@ -199,9 +199,9 @@ impl Press {
             print_line!(session, "{uncertainty}");
             print_line!(session);
         }
-        if let Some((rows, count)) = banded {
-            answer = answer.with("bands", &rows)?;
-            bands::lines(&rows, count).iter().for_each(|line| print_line!(session, "{line}"));
+        if let Some((banded, count)) = banded {
+            answer = answer.with("bands", &banded.rows)?.with("failed_samples", &banded.failed)?;
+            bands::lines(&banded.rows, count).iter().for_each(|line| print_line!(session, "{line}"));
             print_line!(session);
         }
         if let Some(report) = lost {
@@ -232,7 +232,7 @@ impl Press {
         stroke: &Stroke,
         setup: &Setup,
         count: u32,
-    ) -> Result<Vec<BandRow>, Failure> {
+    ) -> Result<Banded, Failure> {
         // The key of the summary, its unit that of the table.
         let name = |&(key, _, factor, unit, _): &Measure| match key.rsplit_once('_') {
             Some((stem, _)) if factor != 1.0 => (format!("{stem}_{unit}"), unit.to_owned()),
@@ -248,22 +248,22 @@ impl Press {
             let found = each.then(|| self.stroke.touch_on(instrument, progress)).transpose();
             let found = match found {
                 Err(LevelError::Interrupted) => return Err(SampleError::Interrupted),
-                Err(error) => return Ok(Err(error.to_string())),
+                Err(error) => return Ok(Err(error.to_string()).into()),
                 Ok(found) => found,
             };
             let stroke = found.as_ref().unwrap_or(stroke);
             let setup = &Setup { hand: stroke.hand(), ..*setup };
             let instrument = match model.of(instrument.clone()) {
                 Ok(instrument) => instrument,
-                Err(error) => return Ok(Err(error.to_string())),
+                Err(error) => return Ok(Err(error.to_string()).into()),
             };
             let inputs = match stroke.inputs(&instrument.finger) {
                 Ok(inputs) => inputs,
-                Err(error) => return Ok(Err(error.to_string())),
+                Err(error) => return Ok(Err(error.to_string()).into()),
             };
             let run = simulate_observed(&instrument, inputs.as_ref(), setup, &mut Inside::default(), progress);
             let run = unless_interrupted(run)?;
-            Ok(run.map(|run| values(&Summary::new(&run, setup, names_of, 0.0))))
+            Ok(run.map(|run| values(&Summary::new(&run, setup, names_of, 0.0))).into())
         })
     }
 

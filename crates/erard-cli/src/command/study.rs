@@ -10,7 +10,7 @@ use erard_workshop::compare::Which;
 use erard_workshop::sensitivities::Rest;
 use erard_workshop::study::{Axis, Column, GRADING, Grid, MOST, MakeStroke, Source, Target, Workers, doubts};
 
-use super::bands::{self, BandOptions, BandRow};
+use super::bands::{self, BandOptions, BandRow, Banded};
 use super::options::{InstrumentOption, StepOptions, StrokeOptions, check, measured_lines};
 use super::out::OutOptions;
 use crate::answer::Answer;
@@ -156,17 +156,15 @@ impl Study {
             return Err(Failure::Usage(format!("{strokes} failed, and nothing is written; the first: {first}")));
         }
 
-        let mut columns = grid.columns(&rows);
-        let banded = match self.bands.bands {
-            Some(count) => {
-                let found = self.banded(session, &grid, &columns, count)?;
-                let shown = bands::lines(&found[..found.len().min(self.rows.saturating_mul(SHOWN_BANDS))], count);
-                columns.extend(band_columns(grid.results(&columns), &found));
-                shown
-            }
-            None => Vec::new(),
-        };
-        let table = table_of(&columns);
+        let columns = grid.columns(&rows);
+        let mut table = table_of(&columns, &rows);
+        let mut banded = None;
+        if let Some(count) = self.bands.bands {
+            let found = self.banded(session, &grid, &columns, count)?;
+            table = band_columns(table, grid.results(&columns), &found.rows);
+            found.stage_failed(session, &mut output)?;
+            banded = Some((found, count));
+        }
         output.table(session, "study.csv", &table)?;
         let title = format!("{} - {} ({})", instrument.name, stroke.title, stroke.driven());
         if let Some(chart) = chart(&title, &axes, &rows) {
@@ -197,9 +195,10 @@ impl Study {
                 rows.len()
             );
         }
-        if !banded.is_empty() {
+        if let Some((found, count)) = &banded {
+            let shown = &found.rows[..found.rows.len().min(self.rows.saturating_mul(SHOWN_BANDS))];
             print_line!(session);
-            banded.iter().for_each(|line| print_line!(session, "{line}"));
+            bands::lines(shown, *count).iter().for_each(|line| print_line!(session, "{line}"));
         }
         let doubts = doubts(rows.iter().map(|row| &row.outcome));
         for doubt in &doubts {
@@ -207,7 +206,10 @@ impl Study {
         }
         print_line!(session);
         print_line!(session, "{written}");
-        let answer = Answer::table(session, Some(&table)).with("instrument", &instrument.name)?;
+        let mut answer = Answer::table(session, Some(&table)).with("instrument", &instrument.name)?;
+        if let Some((found, _)) = &banded {
+            answer = answer.with("failed_samples", &found.failed)?;
+        }
         Ok(answer.with("stroke", &stroke.title)?.with("warnings", &doubts)?.files(&written))
     }
 
@@ -218,7 +220,7 @@ impl Study {
         grid: &Grid<'_>,
         columns: &[Column],
         count: u32,
-    ) -> Result<Vec<BandRow>, Failure> {
+    ) -> Result<Banded, Failure> {
         let Source::Text { .. } = grid.source else {
             return Err(Failure::Usage(
                 "--bands needs one instrument or one key; remove --vary key and gradings".into(),
@@ -356,10 +358,10 @@ const SHOWN_BANDS: usize = 12;
 /// Either end of a band.
 type BandEnd = fn(&BandRow) -> Option<f64>;
 
-/// The bands as columns beside those that they are of.
-fn band_columns(results: &[Column], found: &[BandRow]) -> Vec<Column> {
-    let of = |index: usize, end: BandEnd| found.iter().skip(index).step_by(results.len()).map(end).collect();
+/// A table with the bands of results as columns.
+fn band_columns<'a>(table: Table<'a>, results: &[Column], found: &[BandRow]) -> Table<'a> {
+    let of = |index: usize, end: BandEnd| found.iter().skip(index).step_by(results.len()).map(end).collect::<Vec<_>>();
     let ends: [(&str, BandEnd); 2] = [("5", |row| row.low), ("95", |row| row.high)];
-    let named = results.iter().enumerate();
-    named.flat_map(|(index, (name, _))| ends.map(|(end, get)| (format!("{name}_{end}"), of(index, get)))).collect()
+    let named = results.iter().enumerate().flat_map(|(index, (name, _))| ends.map(|end| (index, name, end)));
+    named.fold(table, |table, (index, name, (end, get))| table.optional(format!("{name}_{end}"), of(index, get)))
 }

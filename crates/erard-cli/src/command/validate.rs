@@ -1,6 +1,6 @@
 //! `erard validate`.
 
-use super::bands::{self, BandOptions, BandRow};
+use super::bands::{self, BandOptions, BandRow, Banded};
 use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -68,7 +68,8 @@ impl Validate {
         let picture = order_picture(&validation, &published);
         let mut report = Report::new(&validation, &published);
         if let Some(bands) = &bands {
-            report.take_bands(bands, &published);
+            report.take_bands(&bands.rows, &published);
+            bands.stage_failed(session, &mut output)?;
         }
         output.json(session, "validate.json", &report)?;
         output.table(session, "validate.csv", &Table::of_records(&report.rows)?)?;
@@ -99,7 +100,10 @@ impl Validate {
         print_groups(session, &report.groups);
         print_table(session, &report.rows);
         print_line!(session, "{written}");
-        let answer = Answer::of(&report)?.files(&written);
+        let mut answer = Answer::of(&report)?.files(&written);
+        if let Some(bands) = &bands {
+            answer = answer.with("failed_samples", &bands.failed)?;
+        }
         match report.missed {
             missed if missed > 0 && self.fail_on_miss => {
                 let names: Vec<&str> = report
@@ -347,7 +351,7 @@ impl Validate {
         own: &Validation,
         keyboard: Option<&Keyboard>,
         count: u32,
-    ) -> Result<Vec<BandRow>, Failure> {
+    ) -> Result<Banded, Failure> {
         let names: Vec<bands::Named> = published.rows.iter().map(|row| (row.name.clone(), row.unit.clone())).collect();
         let simulated =
             |validation: &Validation| validation.verdicts.iter().map(Verdict::simulated).collect::<Vec<_>>();
@@ -356,7 +360,7 @@ impl Validate {
         bands::bands(session, &self.instrument, count, &names, &simulated(own), kept, |instrument, text, progress| {
             let keyboard = keyboard.and_then(|keyboard| keyboard.around(text.to_owned()).ok());
             let found = validate(instrument, keyboard.as_ref(), published, progress);
-            Ok(unless_interrupted(found)?.map(|found| simulated(&found)))
+            Ok(unless_interrupted(found)?.map(|found| simulated(&found)).into())
         })
     }
 }

@@ -11,8 +11,14 @@ pub(crate) struct MeasuredRow {
     pub label: String,
     /// The number of its key; `None` where nobody says.
     pub key: Option<usize>,
-    /// Its values, in the order of the lines; `None` is what did not happen.
-    pub values: Vec<Option<f64>>,
+    /// Its values, in the order of the lines, `None` for what did not happen; or the reason why it has none.
+    pub values: Result<Vec<Option<f64>>, String>,
+}
+
+impl MeasuredRow {
+    fn value(&self, line: usize) -> Option<f64> {
+        self.values.as_ref().ok()?.get(line).copied().flatten()
+    }
 }
 
 /// What is measured of each where nobody asks for anything else, and how it is headed.
@@ -45,10 +51,12 @@ fn heading(line: &Line) -> &'static str {
 
 /// The table.
 pub(crate) fn text(lines: &[&Line], rows: &[MeasuredRow]) -> String {
-    let heads = [""].into_iter().chain(lines.iter().map(|line| heading(line)));
+    let failed = rows.iter().any(|row| row.values.is_err());
+    let heads = [""].into_iter().chain(lines.iter().map(|line| heading(line))).chain(failed.then_some(""));
     let cells = rows.iter().map(|row| {
-        let values = lines.iter().zip(&row.values).map(|(line, value)| decimal(*value, line.decimals));
-        std::iter::once(row.label.clone()).chain(values)
+        let values = lines.iter().enumerate().map(|(i, line)| decimal(row.value(i), line.decimals));
+        let failed = row.values.as_ref().err().map(|error| format!("failed: {error}"));
+        std::iter::once(row.label.clone()).chain(values).chain(failed)
     });
     Table::of(heads, cells).to_string()
 }
@@ -56,9 +64,11 @@ pub(crate) fn text(lines: &[&Line], rows: &[MeasuredRow]) -> String {
 /// measure.csv.
 pub(crate) fn table(lines: &[&Line], rows: &[MeasuredRow]) -> Table<'static> {
     let keys = Table::default().optional("key", rows.iter().map(|row| row.key.map(|key| key as f64)));
-    lines.iter().enumerate().fold(keys, |table, (i, line)| {
-        table.optional(line.key, rows.iter().map(|row| row.values.get(i).copied().flatten()))
-    })
+    let values = lines
+        .iter()
+        .enumerate()
+        .fold(keys, |table, (i, line)| table.optional(line.key, rows.iter().map(|row| row.value(i))));
+    values.words("error", rows.iter().map(|row| row.values.as_ref().err().cloned().unwrap_or_default()))
 }
 
 /// The same for programs: a list of objects.
@@ -67,9 +77,10 @@ pub(crate) fn json(lines: &[&Line], rows: &[MeasuredRow]) -> serde_json::Value {
         let mut object = serde_json::Map::new();
         object.insert("instrument".into(), row.label.clone().into());
         object.insert("norms_for_key".into(), row.key.into());
-        for (line, value) in lines.iter().zip(&row.values) {
-            object.insert(line.key.into(), (*value).into());
+        for (i, line) in lines.iter().enumerate() {
+            object.insert(line.key.into(), row.value(i).into());
         }
+        object.insert("error".into(), row.values.as_ref().err().cloned().into());
         serde_json::Value::Object(object)
     };
     rows.iter().map(object).collect()

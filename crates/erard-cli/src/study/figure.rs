@@ -17,6 +17,14 @@ const QUANTITIES: [Quantity; 3] = [
     ("hammer before key bottom (ms)", |e| Some((e.key_bottom_s? - e.hammer_contact_s()?) * 1e3)),
 ];
 
+/// How many rows are missing in the figure.
+fn failed(rows: &[Row]) -> String {
+    match rows.iter().filter(|row| row.outcome.is_err()).count() {
+        0 => String::new(),
+        failed => format!("{failed} of {} strokes failed; study.csv holds the reasons", rows.len()),
+    }
+}
+
 /// The figure; `None` where the first axis has one value only or the others make too many curves. Rows stand in the
 /// order of the axes, the last one fastest.
 pub(crate) fn chart(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Chart> {
@@ -49,7 +57,7 @@ pub(crate) fn chart(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Chart> {
     let unit = if first.unit.is_empty() { "factor" } else { first.unit };
     Some(Chart {
         title: title.into(),
-        caption: String::new(),
+        caption: failed(rows),
         x_label: format!("{} ({unit})", first.name),
         x_log: false,
         panels: QUANTITIES.iter().map(panel).collect(),

@@ -6,10 +6,10 @@ use erard_workshop::study::{Axis, Column, Row, measured_title};
 
 use crate::table::{Table, decimal, three};
 
-/// Columns as they are written.
-pub(crate) fn table_of(columns: &[Column]) -> Table<'static> {
+/// Columns as they are written, with the reasons why rows failed.
+pub(crate) fn table_of(columns: &[Column], rows: &[Row]) -> Table<'static> {
     let one = |table: Table<'static>, (name, values): &Column| table.optional(name.clone(), values.iter().copied());
-    columns.iter().fold(Table::default(), one)
+    columns.iter().fold(Table::default(), one).words("error", rows.iter().map(|row| row.error().unwrap_or_default()))
 }
 
 /// A column of the printed table: its heading and its cell.

@@ -15,6 +15,32 @@ at_mm = [70, 18]
 mass_g = [{ key = 1, value = 2 }, { key = 40, value = 0 }, { key = 88, value = -3 }]
 "#;
 
+/// A keyboard whose highest key is too heavy in front to come up: it cannot be weighed.
+pub(crate) const STUCK: &str = r#"format = "erard-keyboard/1"
+name = "Stuck"
+instrument = "grand.toml"
+instrument_key = 40
+
+[[added_mass]]
+name = "leads"
+body = "key"
+at_mm = [-100, 0]
+mass_g = [{ key = 40, value = 0 }, { key = 88, value = 300 }]
+"#;
+
+/// A keyboard whose highest string is out of the hammer's reach.
+const FAR: &str = r#"format = "erard-keyboard/1"
+name = "Far"
+instrument = "grand.toml"
+instrument_key = 40
+
+[[shift]]
+name = "strings"
+points = ["zone.string.line.point_mm"]
+direction = [0, 1]
+by_mm = [{ key = 40, value = 0 }, { key = 88, value = 150 }]
+"#;
+
 fn with_mine(test: &str) -> Folder {
     let folder = Folder::new(&format!("keyboard-{test}"));
     folder.file("grand.toml", erard::instrument::Instrument::builtin_text("concert-grand").unwrap());
@@ -41,6 +67,39 @@ fn weighed_keys_are_written() {
     let svg = folder.read("keys/keyboard.svg");
     assert!(svg.contains("down-weight") && svg.contains("hammer (g)") && svg.contains("number of the key"), "{svg}");
     assert!(std::fs::read(folder.0.join("keys/keyboard.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+/// Treble keys that cannot be weighed, or never strike, are rows with their reasons; the others stand.
+#[test]
+fn a_key_that_cannot_be_weighed_is_a_row_with_its_reason() {
+    let folder = with_mine("failed");
+    folder.file("stuck.toml", STUCK);
+    folder.file("far.toml", FAR);
+    for (name, reason) in [("stuck.toml", "the slowly pressed key travels"), ("far.toml", "does not reach the string")]
+    {
+        let output =
+            folder.erard(&["keyboard", name, "--every", "87", "--json", "--out", name.trim_end_matches(".toml")]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && Folder::words(&said).contains("key 88: "), "{said}");
+        let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let table = &answer["table"];
+        assert!(table["error"][0].is_null() && table["down_weight_g"][0].is_number(), "{table}");
+        assert!(table["error"][1].as_str().unwrap().contains(reason), "{table}");
+        assert!(table["mf_hammer_speed_m_per_s"][1].is_null() && table["trusted"][1] == 0, "{table}");
+    }
+    assert!(folder.read("stuck/keyboard.csv").lines().nth(2).unwrap().starts_with("88,C8,,"));
+    let told = folder.good(&["measure", "stuck.toml:key=40,88", "--only", "key_ratio", "--out", "sheets"]);
+    assert!(told.contains("failed: cannot be measured"), "{told}");
+    let rows: serde_json::Value = serde_json::from_str(&folder.read("sheets/measure.json")).unwrap();
+    assert!(rows[0]["error"].is_null() && rows[0]["key_ratio"].is_number(), "{rows}");
+    assert!(
+        rows[1]["error"].as_str().unwrap().contains("slowly pressed key") && rows[1]["key_ratio"].is_null(),
+        "{rows}"
+    );
+    assert!(folder.read("sheets/measure.csv").lines().nth(2).unwrap().starts_with("88,,"));
+    // Where nothing can be weighed nothing is written.
+    let none = folder.bad(&["measure", "stuck.toml:key=88,88", "--only", "key_ratio", "--out", "none"]);
+    assert!(none.contains("slowly pressed key") && !folder.0.join("none").exists(), "{none}");
 }
 
 /// `--key` prints an instrument file and writes nothing; the file is the key.

@@ -267,7 +267,7 @@ mod nightly {
         let rows = rows.as_array().unwrap();
         assert_eq!(rows.iter().map(|row| row["norms_for_key"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 40, 88]);
         let table = fs::read_to_string(folder.0.join("erard-out-measure/measure.csv")).unwrap();
-        assert_eq!(table.lines().next(), Some("key,strike_weight_g,dip_mm,effective_inertia_kg"));
+        assert_eq!(table.lines().next(), Some("key,strike_weight_g,dip_mm,effective_inertia_kg,error"));
         assert_eq!(table.lines().count(), 4);
         folder.good(&["concert-grand:key=88"]);
         let sheet = json(&folder);

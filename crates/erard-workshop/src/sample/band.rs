@@ -32,30 +32,47 @@ pub fn band(values: impl IntoIterator<Item = Option<f64>>) -> Option<Band> {
     Some(Band { low, high, samples: sorted.len() })
 }
 
-/// Values of one sample, or the reason why it has none.
-pub type SampleValues = Result<Vec<Option<f64>>, String>;
+/// Values of one sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampleValues {
+    /// The values, in one order; empty if the sample has none.
+    pub values: Vec<Option<f64>>,
+    /// Reason why it has none, or why some are missing.
+    pub error: Option<String>,
+}
 
-/// Returns the band of each of the first so many values over the samples that have values.
+impl From<Result<Vec<Option<f64>>, String>> for SampleValues {
+    fn from(found: Result<Vec<Option<f64>>, String>) -> Self {
+        match found {
+            Ok(values) => SampleValues { values, error: None },
+            Err(error) => SampleValues { values: Vec::new(), error: Some(error) },
+        }
+    }
+}
+
+/// Returns the band of each of the first so many values over the samples that have it.
 #[must_use]
 pub fn bands(found: &[SampleValues], values: usize) -> Vec<Option<Band>> {
-    let of = |index: usize| band(found.iter().flatten().map(|values| values.get(index).copied().flatten()));
+    let of = |index: usize| band(found.iter().map(|one| one.values.get(index).copied().flatten()));
     (0..values).map(of).collect()
 }
 
-/// Returns one line for each reason why samples have no values, with the samples' numbers.
+/// Returns one line for each reason why samples are missing in bands, with the samples' numbers.
 #[must_use]
 pub fn failures(found: &[SampleValues]) -> Vec<String> {
-    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
-    for (sample, values) in (1..).zip(found) {
-        let Err(reason) = values else { continue };
-        match reasons.iter_mut().find(|(known, _)| known == reason) {
+    let mut reasons: Vec<((bool, &str), Vec<String>)> = Vec::new();
+    for (sample, one) in (1..).zip(found) {
+        let Some(error) = &one.error else { continue };
+        let reason = (one.values.iter().any(Option::is_some), error.as_str());
+        match reasons.iter_mut().find(|(known, _)| *known == reason) {
             Some((_, samples)) => samples.push(sample.to_string()),
             None => reasons.push((reason, vec![sample.to_string()])),
         }
     }
-    let line = |(reason, samples): (&str, Vec<String>)| {
+    let line = |((has_some, reason), samples): ((bool, &str), Vec<String>)| {
         let which = if samples.len() == 1 { "sample" } else { "samples" };
-        format!("{which} {} not in the bands: {reason}", samples.join(", "))
+        let bands = if has_some { "all bands" } else { "the bands" };
+        format!("{which} {} not in {bands}: {reason}", samples.join(", "))
     };
     reasons.into_iter().map(line).collect()
 }
@@ -90,10 +107,20 @@ mod tests {
     /// Samples with one reason share a line; an interruption is no reason.
     #[test]
     fn failed_samples_are_listed_by_their_reason() {
-        let failed = |reason: &str| Err(reason.to_owned());
-        let found = [Ok(vec![Some(1.0)]), failed("no rest"), failed("no string"), Ok(vec![None]), failed("no rest")];
+        let failed = |reason: &str| SampleValues::from(Err(reason.to_owned()));
+        let whole = |value| SampleValues::from(Ok(vec![value]));
+        let part = SampleValues { error: Some("no rest".to_owned()), ..whole(Some(2.0)) };
+        let found = [whole(Some(1.0)), failed("no rest"), failed("no string"), whole(None), failed("no rest"), part];
         let lines = failures(&found);
-        assert_eq!(lines, ["samples 2, 5 not in the bands: no rest", "sample 3 not in the bands: no string"]);
+        assert_eq!(
+            lines,
+            [
+                "samples 2, 5 not in the bands: no rest",
+                "sample 3 not in the bands: no string",
+                "sample 6 not in all bands: no rest"
+            ]
+        );
+        assert_eq!(bands(&found, 1)[0].map(|band| band.samples), Some(2));
         let interrupted: Result<(), SampleError> = Err(SampleError::Interrupted);
         assert!(unless_interrupted(interrupted).is_err());
         let failed: Result<(), _> = Err(crate::measure::MeasureError::Lost);

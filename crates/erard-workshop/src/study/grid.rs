@@ -58,6 +58,16 @@ pub struct Row {
 }
 
 impl Row {
+    /// Reason why the stroke failed, or why nothing was measured.
+    #[must_use]
+    pub fn error(&self) -> Option<String> {
+        match (&self.outcome, &self.measured) {
+            (Err(error), _) => Some(error.clone()),
+            (_, Err(error)) => Some(format!("not measured: {error}")),
+            _ => None,
+        }
+    }
+
     /// Whether it was played and nothing speaks against it.
     #[must_use]
     pub fn is_trusted(&self) -> bool {
@@ -233,11 +243,7 @@ impl Grid<'_> {
         let measure = |instrument: &Instrument, progress: &mut Progress<'_>| {
             measure_some(instrument, self.lines, progress).map_or_else(
                 |error| {
-                    if cores::Ending::is_interruption(&error) {
-                        Err(SimulationError::Interrupted)
-                    } else {
-                        Ok(Err(error.to_string()))
-                    }
+                    if error.is_interruption() { Err(SimulationError::Interrupted) } else { Ok(Err(error.to_string())) }
                 },
                 |values| Ok(Ok(values)),
             )
@@ -311,7 +317,7 @@ impl Grid<'_> {
     }
 
     /// Plays the study on a sample of the instrument, given by the text of its file, on the caller's thread. Returns
-    /// the values of the results, row by row, or the reason why this sample has none.
+    /// the values of the results, row by row, and a reason why rows of it failed.
     ///
     /// # Errors
     /// [`SampleError::Interrupted`].
@@ -323,14 +329,17 @@ impl Grid<'_> {
     ) -> Result<SampleValues, SampleError> {
         let instrument = match self.model.of(sample.clone()) {
             Ok(instrument) => instrument,
-            Err(error) => return Ok(Err(error.to_string())),
+            Err(error) => return Ok(Err(error.to_string()).into()),
         };
         let source = Source::of_text(text);
         let own = Grid { instrument: &instrument, source: &source, workers: Workers::one(), ..*self };
         match own.play(progress) {
-            Ok(rows) => Ok(Ok(own.result_values(&own.columns(&rows)))),
+            Ok(rows) => {
+                let error = rows.iter().find_map(Row::error);
+                Ok(SampleValues { values: own.result_values(&own.columns(&rows)), error })
+            }
             Err(SimulationError::Interrupted) => Err(SampleError::Interrupted),
-            Err(error) => Ok(Err(error.to_string())),
+            Err(error) => Ok(Err(error.to_string()).into()),
         }
     }
 }

@@ -6,7 +6,7 @@
 use erard::instrument::Instrument;
 use erard::keyboard::{KEYS, Keyboard};
 use erard_workshop::balance::{KeyModel, LEADS_G, MeasuredKey};
-use erard_workshop::weighing::{WeighedKey, weigh};
+use erard_workshop::weighing::{Weights, weigh};
 use erard_workshop::worklist::{KeyboardGoal, KeyboardList, Operation, SECTION_ENDS, Work, keyboard_list};
 
 use super::hand::Chance;
@@ -35,8 +35,8 @@ fn does(work: &Work, key: &mut Instrument) {
     work.carry_out(key, &mut |_| true).unwrap();
 }
 
-fn all_weighed(piano: &[(usize, Instrument)]) -> Vec<WeighedKey> {
-    weigh(piano, &mut |_| true).unwrap()
+fn all_weighed(piano: &[(usize, Instrument)]) -> Vec<(usize, Weights)> {
+    weigh(piano, &mut |_| true).unwrap().into_iter().map(|one| (one.key, one.weights.unwrap())).collect()
 }
 
 /// Other levers, heavier hammers, leads for one balance weight; then the disturbances.
@@ -47,7 +47,9 @@ fn piano(grand: &Keyboard) -> Vec<(usize, Instrument)> {
         does(&Work::Hammer { by_g: 0.4 }, key);
     }
     let weighed = all_weighed(&piano);
-    for ((_, key), (weighed, (_, friction_g, front_g, strike_g))) in piano.iter_mut().zip(weighed.iter().zip(PIANO)) {
+    for ((_, key), ((_, weighed), (_, friction_g, front_g, strike_g))) in
+        piano.iter_mut().zip(weighed.iter().zip(PIANO))
+    {
         let by_g = weighed.touch.balance_weight_g().unwrap() - BALANCE_G + front_g;
         does(&Work::FrontWeight { by_g }, key);
         if friction_g != 0.0 {
@@ -59,10 +61,10 @@ fn piano(grand: &Keyboard) -> Vec<(usize, Instrument)> {
 }
 
 /// A technician's notes: D and U in whole grams, strike weights in tenths, front weights in halves.
-fn read(weighed: &[WeighedKey], chance: &mut Chance) -> Vec<MeasuredKey> {
+fn read(weighed: &[(usize, Weights)], chance: &mut Chance) -> Vec<MeasuredKey> {
     let mut off = |value: f64, by: f64, step: f64| Some(((value + by * chance.either_way()) / step).round() * step);
-    let key = |one: &WeighedKey| MeasuredKey {
-        key: one.key,
+    let key = |(key, one): &(usize, Weights)| MeasuredKey {
+        key: *key,
         strike_weight_g: off(one.strike_weight_g, 0.05, 0.1),
         front_weight_g: off(one.front_weight_g, 0.25, 0.5),
         down_weight_g: off(one.touch.down_weight_g.unwrap(), 0.5, 1.0),
@@ -74,13 +76,13 @@ fn read(weighed: &[WeighedKey], chance: &mut Chance) -> Vec<MeasuredKey> {
 
 /// Keys whose friction is truly out of its range, or whose balance weight is farther from the target than a hand can
 /// weigh; ranges are widened by a reading's error.
-fn out(weighed: &[WeighedKey], aim_g: f64) -> Vec<usize> {
-    let is_out = |one: &&WeighedKey| {
-        let [low, high] = KeyboardList::usual_friction_g(one.key);
+fn out(weighed: &[(usize, Weights)], aim_g: f64) -> Vec<usize> {
+    let is_out = |(key, one): &&(usize, Weights)| {
+        let [low, high] = KeyboardList::usual_friction_g(*key);
         let (friction_g, balance_g) = (one.touch.friction_weight_g().unwrap(), one.touch.balance_weight_g().unwrap());
         !(low - 1.0..=high + 1.0).contains(&friction_g) || (balance_g - aim_g).abs() > 3.0
     };
-    weighed.iter().filter(is_out).map(|one| one.key).collect()
+    weighed.iter().filter(is_out).map(|(key, _)| *key).collect()
 }
 
 mod nightly {
@@ -131,7 +133,7 @@ mod nightly {
         println!("out before, after one pass, after two: {counts:?}");
         assert!(counts[0].len() >= 6 && counts[1].len() < counts[0].len() && counts[2].is_empty(), "{counts:?}");
         // The heavy hammer again matches its neighbours.
-        let strike_g = |key: usize| weighed.iter().find(|one| one.key == key).unwrap().strike_weight_g;
+        let strike_g = |key: usize| weighed.iter().find(|one| one.0 == key).unwrap().1.strike_weight_g;
         assert!((strike_g(58) - 0.5 * (strike_g(51) + strike_g(64))).abs() < 0.4, "{}", strike_g(58));
     }
 }
