@@ -9,9 +9,10 @@ use erard_kinematics::{Design, LinkageFile};
 use erard_workshop::diagnose::{entries, is_table_of_keys, read as readings};
 use erard_workshop::measure::usual;
 use erard_workshop::validate::Published;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::check_recording::told;
+use super::checked::checked;
 use super::list::built_in;
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -37,16 +38,6 @@ pub(crate) struct Check {
     file: PathBuf,
     #[command(flatten)]
     recording: RecordingOptions,
-}
-
-/// The answer: what a file is, what it is called, what it holds how many of.
-pub(super) fn checked<const N: usize>(kind: &str, file: &str, name: Option<&str>, counts: [(&str, usize); N]) -> Value {
-    let counts: Map<String, Value> = counts.into_iter().map(|(what, count)| (what.to_owned(), count.into())).collect();
-    let mut checked = json!({"kind": kind, "file": file, "counts": counts});
-    if let Some(name) = name {
-        checked["name"] = name.into();
-    }
-    checked
 }
 
 /// Shows three levers from a linkage file; the answer.

@@ -4,7 +4,7 @@ use erard::stroke::{Column, Cursor, Dialect, PositionOf, PositionSeries, ROLES, 
 use erard_workshop::compare::MAX_DURATION_S;
 use serde_json::{Value, json};
 
-use super::check::checked;
+use super::checked::checked;
 use crate::compare::prepared_channel;
 use crate::print_line;
 use crate::recordings::Ready;

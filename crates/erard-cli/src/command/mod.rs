@@ -4,6 +4,7 @@ mod bands;
 mod calibrate;
 mod check;
 mod check_recording;
+mod checked;
 mod compare;
 mod diagnose;
 mod draw;

@@ -10,8 +10,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::mark::is_plain;
-use super::stage::OLD;
 
+/// What was there before.
+pub(super) const OLD: &str = "old";
 const NAME: &str = "journal.json";
 /// Name until it is whole.
 const DRAFT: &str = "journal.draft";

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use super::exchange::exchange;
-use super::journal;
+use super::journal::{self, OLD};
 use crate::stages::{LOCK, Stages, remove_empty};
 
 /// How its name ends: a user's folder is not likely to be called so, and what a stage does not hold is checked too.
@@ -23,8 +23,6 @@ const END: &str = ".erard.part";
 /// How a stage within a folder begins.
 const WITHIN: &str = ".erard.";
 const RESULTS: &str = "results";
-/// What was there before.
-pub(crate) const OLD: &str = "old";
 
 /// A stage of a session. Dropping it removes its folder.
 #[derive(Debug)]

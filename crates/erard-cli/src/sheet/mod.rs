@@ -1,52 +1,18 @@
 //! The technician's sheet: one printed page of an action, in the words of the bench.
 
+mod advised;
 mod page;
 mod words;
 
+pub(crate) use advised::{Advised, Task};
 pub(crate) use page::html;
 pub(crate) use words::{ORDER, beyond, in_the_end, left, tasks};
 
-use erard_workshop::worklist::{Quantity, Worklist};
+use erard_workshop::worklist::Quantity;
 
-use crate::measure::Measured;
-use crate::paper::Headed;
 use crate::table::Table;
 use crate::units::Lengths;
 use words::{name, reading, readings};
-
-/// An action with what to do about it.
-#[derive(Debug)]
-pub(crate) struct Advised<'a> {
-    /// The action, and what was measured.
-    pub measured: &'a Measured,
-    /// What to do.
-    pub list: Worklist,
-    /// A drawing of it.
-    pub drawing: String,
-    /// What stands at the head.
-    pub headed: &'a Headed,
-    /// How lengths are shown.
-    pub lengths: Lengths,
-}
-
-/// One thing to do: what, how far, and why.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub(crate) struct Task {
-    /// What is worked on: `drop screw`.
-    pub what: String,
-    /// Which way and how far.
-    pub by: String,
-    /// What it does.
-    #[serde(rename = "for")]
-    pub for_: String,
-    /// What could be done instead.
-    pub instead: Option<String>,
-    /// What to read before the next line.
-    pub then: Option<String>,
-    /// What every line reads then, by the keys of measure.json.
-    #[serde(rename = "readings_after")]
-    pub readings: serde_json::Value,
-}
 
 /// Every line that work can set, before and after the list, as text.
 pub(crate) fn before_and_after(one: &Advised<'_>) -> String {

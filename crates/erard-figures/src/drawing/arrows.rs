@@ -1,44 +1,9 @@
 //! Forces as arrows, with numbers that neither arrows nor other numbers cross.
 
-use super::force::{ARROW, force_label};
+use super::force::{ARROW, Arrow, force_label};
 use super::outline::MM;
 use crate::picture::{Anchor, Geometry, Group, Look, Node, Segment, Shape, Words};
 use erard::instrument::Vec2;
-
-/// Kind of force that an arrow shows. Its class in the picture is `arrow` and the name of the kind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ArrowKind {
-    /// A contact's normal force.
-    Contact,
-    /// The finger's.
-    Finger,
-    /// Force of a pin on the body that turns about it.
-    Pin,
-}
-
-impl ArrowKind {
-    /// Its class in the picture.
-    pub(crate) fn class(self) -> &'static str {
-        match self {
-            ArrowKind::Contact => "contact",
-            ArrowKind::Finger => "touch",
-            ArrowKind::Pin => "pin",
-        }
-    }
-}
-
-/// A force, as it is drawn: the arrow begins where the force acts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Arrow {
-    /// Kind of force.
-    pub kind: ArrowKind,
-    /// Point of attack in the world, m.
-    pub point_m: Vec2,
-    /// Unit direction in which the arrow points, in the world.
-    pub direction: Vec2,
-    /// The force, N.
-    pub force_n: f64,
-}
 
 /// Half the width of an arrow's head, mm, and its length.
 const HALF_HEAD: f64 = 1.9;
@@ -148,6 +113,7 @@ fn crosses([from, to]: &[Vec2; 2], place: &Box4, half: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::force::ArrowKind;
     use super::*;
 
     fn arrow(x: f64, y: f64, angle: f64, force_n: f64) -> Arrow {

@@ -1,10 +1,44 @@
 //! The forces of a run: what pushes where, and how large its arrow is.
 
-use super::arrows::{Arrow, ArrowKind};
 use erard::grand::KEY_DOWN;
-use erard::instrument::Instrument;
+use erard::instrument::{Instrument, Vec2};
 use erard::player::PinSeries;
 use erard::run::Run;
+
+/// Kind of force that an arrow shows. Its class in the picture is `arrow` and the name of the kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ArrowKind {
+    /// A contact's normal force.
+    Contact,
+    /// The finger's.
+    Finger,
+    /// Force of a pin on the body that turns about it.
+    Pin,
+}
+
+impl ArrowKind {
+    /// Its class in the picture.
+    pub(crate) fn class(self) -> &'static str {
+        match self {
+            ArrowKind::Contact => "contact",
+            ArrowKind::Finger => "touch",
+            ArrowKind::Pin => "pin",
+        }
+    }
+}
+
+/// A force, as it is drawn: the arrow begins where the force acts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arrow {
+    /// Kind of force.
+    pub kind: ArrowKind,
+    /// Point of attack in the world, m.
+    pub point_m: Vec2,
+    /// Unit direction in which the arrow points, in the world.
+    pub direction: Vec2,
+    /// The force, N.
+    pub force_n: f64,
+}
 
 /// Which way a zone's arrow points: +1 along the normal (the push on side A), -1 against it (the push on side B).
 ///

@@ -18,13 +18,11 @@ mod material;
 mod outline;
 mod piece;
 
-pub use arrows::ArrowKind;
-
-pub(crate) use arrows::{Arrow, arrows};
+pub(crate) use arrows::arrows;
 pub use changed::ChangedNote;
 pub(crate) use changed::changed_marks;
-pub(crate) use force::{ARROW, arrow_sign, force_label};
-pub use force::{angles_at, forces_at, pins_at};
+pub(crate) use force::{ARROW, Arrow, arrow_sign, force_label};
+pub use force::{ArrowKind, angles_at, forces_at, pins_at};
 pub(crate) use labels::named_points;
 pub(crate) use material::GRADIENTS;
 pub(crate) use outline::path;

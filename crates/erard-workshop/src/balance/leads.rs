@@ -1,6 +1,5 @@
 //! Leads of available masses at places where they fit.
 
-use super::rows::number;
 use erard::parameter::Quantity;
 
 /// A lead in a key.
@@ -21,7 +20,7 @@ impl Lead {
     #[must_use]
     pub fn read(text: &str) -> Option<Self> {
         let (mass, at) = text.trim().split_once('@')?;
-        let (mass_g, at_mm) = (number(mass)?, Quantity::Length.read_in(at, "mm").ok()?);
+        let (mass_g, at_mm) = (Quantity::Weight.read_in(mass, "g").ok()?, Quantity::Length.read_in(at, "mm").ok()?);
         ((0.5..=60.0).contains(&mass_g) && (-250.0..=400.0).contains(&at_mm)).then_some(Lead { mass_g, at_mm })
     }
 

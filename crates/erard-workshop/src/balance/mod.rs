@@ -31,7 +31,7 @@ pub use measured::{MeasuredKey, read};
 pub use model::KeyModel;
 pub(crate) use model::add_mass;
 pub use neighbours::Apart;
-pub(crate) use plan::median;
+pub(crate) use neighbours::median;
 pub use plan::{BalancedKey, Curves, LEAST_BALANCE_G, Plan, Remedy, Target, plan};
 pub use rows::MeasuredError;
 pub(crate) use rows::rows_of_keys;

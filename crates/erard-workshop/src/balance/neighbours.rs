@@ -6,7 +6,6 @@
 use erard::keyboard::{KEYS, is_sharp};
 
 use super::measured::MeasuredKey;
-use super::plan::median;
 use super::smooth::smooth;
 
 /// A quantity of a key that differs from its neighbours.
@@ -75,6 +74,18 @@ pub(super) fn apart(keys: &[Weighed]) -> Vec<Vec<Apart>> {
         }
     }
     all
+}
+
+/// Median; for an even number the mean of the middle two.
+pub(crate) fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.len() / 2;
+    match sorted.len() {
+        0 => None,
+        n if n % 2 == 1 => Some(sorted[middle]),
+        _ => Some(0.5 * (sorted[middle - 1] + sorted[middle])),
+    }
 }
 
 #[cfg(test)]

@@ -1,12 +1,29 @@
 //! An action on the bench and the finger that presses it: slowly, until an observed event, or with a constant force.
 
 use moreau::{Outcome, Settings};
+use thiserror::Error;
 
-use super::measure::DistanceError;
 use erard::Progress;
-use erard::grand::Anatomy;
+use erard::grand::{Anatomy, AnatomyError};
 use erard::instrument::{Instrument, Vec2};
-use erard::player::{Action, Input};
+use erard::player::{Action, ActionError, Input};
+
+/// Reason why nothing could be measured.
+#[derive(Debug, Error)]
+pub enum DistanceError {
+    /// The instrument is no grand action.
+    #[error(transparent)]
+    Anatomy(#[from] AnatomyError),
+    /// The action cannot be assembled, or has no equilibrium.
+    #[error(transparent)]
+    Action(#[from] ActionError),
+    /// A number overflowed.
+    #[error("a number became infinite while the key was pressed. Look for a stiffness, mass or length that is far off")]
+    NonFinite,
+    /// The caller asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}
 
 /// Steps between questions to the caller whether to go on.
 const ASK_EVERY: u64 = 4096;

@@ -6,13 +6,10 @@
 //! check catches the hammer, then the key is let up slowly until the check lets go, and held there while the repetition
 //! spring lifts the hammer.
 
-use thiserror::Error;
-
-use super::fixture::{Fixture, Still};
+use super::fixture::{DistanceError, Fixture, Still};
 use erard::Progress;
-use erard::grand::{Anatomy, AnatomyError, rise_m};
+use erard::grand::{Anatomy, rise_m};
 use erard::instrument::{Curve, Instrument, Vec2};
-use erard::player::ActionError;
 
 /// Protocol of the presses. The default is the project's; a workshop with other habits can set its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,23 +95,6 @@ const RISE_S: f64 = 1.0;
 const STILL_M_PER_S: f64 = 2e-4;
 /// Duration of rest, s.
 const STILL_S: f64 = 0.03;
-
-/// Reason why nothing could be measured.
-#[derive(Debug, Error)]
-pub enum DistanceError {
-    /// The instrument is no grand action.
-    #[error(transparent)]
-    Anatomy(#[from] AnatomyError),
-    /// The action cannot be assembled, or has no equilibrium.
-    #[error(transparent)]
-    Action(#[from] ActionError),
-    /// A number overflowed.
-    #[error("a number became infinite while the key was pressed. Look for a stiffness, mass or length that is far off")]
-    NonFinite,
-    /// The caller asked to stop.
-    #[error("interrupted")]
-    Interrupted,
-}
 
 /// Trial of the action. Each starts from rest and gives some of the distances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

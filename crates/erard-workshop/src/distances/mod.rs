@@ -5,6 +5,7 @@
 mod fixture;
 mod measure;
 
-pub use measure::{DistanceError, Distances, Protocol, measure};
+pub use fixture::DistanceError;
+pub use measure::{Distances, Protocol, measure};
 
 pub(crate) use measure::Trial;

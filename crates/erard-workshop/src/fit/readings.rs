@@ -1,7 +1,5 @@
 //! Readings of the model at one point.
 
-use super::problem::Problem;
-
 /// Readings of the model at one point: a curve for every block of residuals, at all instants of its recording.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Readings {
@@ -9,10 +7,9 @@ pub(super) struct Readings {
 }
 
 impl Readings {
-    /// Readings of a point that cannot be played: not a number.
-    pub(super) fn unplayable(problem: &Problem) -> Self {
-        let of = |block| vec![f64::NAN; problem.recording_of(block).time_s.len()];
-        Readings { curves: problem.blocks().iter().map(of).collect() }
+    /// Readings of a point that cannot be played: not a number, for so many instants of each block.
+    pub(super) fn unplayable(instants: impl Iterator<Item = usize>) -> Self {
+        Readings { curves: instants.map(|count| vec![f64::NAN; count]).collect() }
     }
 
     /// Curve of a block.

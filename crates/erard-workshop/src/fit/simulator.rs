@@ -89,7 +89,8 @@ impl<'a> Simulator<'a> {
         let variants: Vec<Option<Instrument>> = points.iter().map(|point| problem.instrument_at(point)).collect();
         let playable: Vec<usize> = (0..points.len()).filter(|&row| variants[row].is_some()).collect();
         let instruments: Vec<Instrument> = variants.into_iter().flatten().collect();
-        let mut all: Vec<Readings> = points.iter().map(|_| Readings::unplayable(problem)).collect();
+        let instants = problem.blocks().iter().map(|block| problem.recording_of(block).time_s.len());
+        let mut all: Vec<Readings> = points.iter().map(|_| Readings::unplayable(instants.clone())).collect();
         let mut first = 0;
         for one in problem.recordings() {
             let strokes: Vec<(usize, &Stroke)> = (0..instruments.len()).map(|at| (at, &one.stroke)).collect();

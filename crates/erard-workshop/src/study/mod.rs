@@ -9,6 +9,7 @@
 
 mod axis;
 mod grid;
+mod job;
 mod lanes;
 mod rests;
 mod sampling;
@@ -16,6 +17,7 @@ mod topology;
 
 pub use axis::{Axis, GRADING, MOST, Source, Target};
 pub use grid::{Column, Grid, Row, doubts, measured_title};
+pub use job::{Job, JobResult, Played, Stroke};
 pub(crate) use rests::rests;
 pub use sampling::{Sampling, SamplingError};
 
@@ -28,22 +30,10 @@ use erard::instrument::Instrument;
 use erard::level::LevelError;
 use erard::mechanism::Size;
 use erard::player::Input;
-use erard::run::Events;
 use erard::run::{Setup, SimulationError, simulate};
-use erard::trust::{Warning, energy_residual};
+use erard::trust::energy_residual;
 use lanes::{Player, Rested, play, settle};
 use topology::{Topology, groups};
-
-/// Drive of the key in a job: like [`erard::Drive`], but owned, so that another thread can take it.
-pub type Stroke<'a> = Box<dyn Fn(f64) -> Input + Send + 'a>;
-
-/// Stroke on an instrument.
-pub struct Job<'a> {
-    /// Index of the instrument.
-    pub instrument: usize,
-    /// The stroke.
-    pub stroke: Stroke<'a>,
-}
 
 /// Threads and lanes for the work.
 #[derive(Debug, Clone, Copy)]
@@ -71,24 +61,6 @@ impl Workers {
     }
 }
 
-/// Result of a job.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Played {
-    /// Instants and speeds.
-    pub events: Events,
-    /// Greatest rise of the hammer's strike point from rest, m; 0 without a hammer.
-    pub highest_m: f64,
-    /// Steps that reached an iteration limit.
-    pub unconverged_steps: u64,
-    /// Error of the energy balance, as a share of the energy turned over ([`erard::trust`]); `None` without the setup's
-    /// ledger.
-    pub energy_residual: Option<f64>,
-    /// Reasons why the stroke cannot be trusted; without the setup's ledger neither energy nor felts are judged.
-    pub warnings: Vec<Warning>,
-    /// Samples, column by column ([`sample_all`]); empty without sampling, or if the run ended early.
-    pub samples: Vec<Vec<f64>>,
-}
-
 /// A number of a job's result; `None` if the event did not happen.
 pub(crate) type Outcome = fn(&Played) -> Option<f64>;
 
@@ -105,9 +77,6 @@ pub const OUTCOMES: [(&str, Outcome); 10] = [
     ("hammer_highest_m", |p| Some(p.highest_m)),
     ("unconverged_steps", |p| Some(p.unconverged_steps as f64)),
 ];
-
-/// Result of a job; a failed job does not stop the others.
-pub type JobResult = Result<Played, SimulationError>;
 
 /// Plays all jobs and returns their results in order. `setup` applies to all of them (nothing is recorded). `progress`
 /// receives the share done and ends the work by returning false.
