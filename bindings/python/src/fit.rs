@@ -419,7 +419,7 @@ fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict
     let all = PyDict::new(py);
     let matrix = |rows: &Vec<Vec<f64>>| PyArray2::from_vec2(py, rows).map_err(failed);
     let free = found.parameters.iter().zip(&found.x).map(|(one, x)| {
-        (one.name.clone(), one.unit, one.parameter.is_factor(), one.low, one.high, one.is_at_a_bound(*x))
+        (one.name.clone(), one.unit(), one.parameter.is_factor(), one.low, one.high, one.is_at_a_bound(*x))
     });
     all.set_item("free", free.collect::<Vec<_>>())?;
     all.set_item("point", found.point.to_pyarray(py))?;

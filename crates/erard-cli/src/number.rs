@@ -1,6 +1,6 @@
 //! Numbers as options: each says in its message what it expects.
 
-use erard::parameter::{NumberError, Quantity};
+use erard::parameter::{NumberError, Quantity, list_items};
 
 /// A number of a quantity in its unit `unit`, which is also that of a number typed without one, from `least` to `most`
 /// of these units.
@@ -17,6 +17,20 @@ pub(crate) fn between(
             Err(format!("expected {} from {least} to {most}{blank}{unit}", quantity.name()))
         }
         Err(error) => Err(error.to_string()),
+    }
+}
+
+/// Values of a list, in the unit of its option.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Values(pub(crate) Vec<f64>);
+
+/// A list of values that `one` reads. A decimal comma is read between semicolons only.
+pub(crate) fn list(
+    one: impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static,
+) -> impl Fn(&str) -> Result<Values, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let items = list_items(text).map_err(|error| error.to_string())?;
+        items.into_iter().map(&one).collect::<Result<_, _>>().map(Values)
     }
 }
 
@@ -44,7 +58,7 @@ pub(crate) fn whole<T: TryFrom<u64>>(
 
 #[cfg(test)]
 mod tests {
-    use super::{between, number, whole};
+    use super::{Values, between, list, number, whole};
     use erard::parameter::Quantity;
 
     #[test]
@@ -65,6 +79,22 @@ mod tests {
         for wrong in ["0.4", "1m", "-3"] {
             assert_eq!(mm(wrong), Err("expected a length from 0.5 to 100 mm".to_owned()), "{wrong}");
         }
+    }
+
+    #[test]
+    fn a_decimal_comma_in_a_list_is_refused_with_the_semicolon() {
+        let hertz = list(between(Quantity::Frequency, "Hz", 20.0, 20_000.0));
+        for (text, read) in [
+            ("1000", vec![1000.0]),
+            ("1000, 2kHz", vec![1000.0, 2000.0]),
+            ("1000Hz,2kHz", vec![1000.0, 2000.0]),
+            ("62,5;1000", vec![62.5, 1000.0]),
+        ] {
+            assert_eq!(hertz(text), Ok(Values(read)), "{text}");
+        }
+        let comma = hertz("62,5Hz,1000Hz").unwrap_err();
+        assert!(comma.contains("type `62.5Hz, 1000Hz` or `62,5Hz; 1000Hz`"), "{comma}");
+        assert_eq!(hertz("1000,5"), Err("expected a frequency from 20 to 20000 Hz".to_owned()));
     }
 
     #[test]

@@ -6,12 +6,11 @@ use clap::{Arg, ArgMatches, Args, FromArgMatches};
 use erard::instrument::utf8;
 use erard::keyboard::key_named;
 use erard::parameter::aliases;
-use erard_workshop::balance::Lead;
 use erard_workshop::diagnose::{Diagnosis, Entry, Known, answer as diagnosis_json, diagnose, entries, read};
 use erard_workshop::measure::norms::MIDDLE_C;
 use serde_json::Value;
 
-use super::measure::lead;
+use super::measure::leads;
 use super::options::key;
 use super::out::OutOptions;
 use crate::answer::Answer;
@@ -41,7 +40,7 @@ pub(crate) struct Diagnose {
     #[command(flatten)]
     readings: Readings,
     /// The key's leads, g@mm in front of the balance pin with commas (14@165,14@147; behind it negative)
-    #[arg(long, value_name = "G@MM,..", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(long, value_name = "G@MM,..", allow_hyphen_values = true)]
     leads: Vec<String>,
     #[command(flatten)]
     lengths: Lengths,
@@ -135,7 +134,7 @@ impl Diagnose {
     fn given(&self) -> Result<(usize, Known), Failure> {
         let key = self.key.unwrap_or(MIDDLE_C);
         let mut known = Known::default();
-        known.leads = self.leads()?;
+        known.leads = leads(&self.leads)?;
         for (entry, text) in &self.readings.0 {
             let wrong = |expected: String| Failure::Usage(format!("--{} {text}: expected {expected}", option(entry)));
             known.enter(entry, text).map_err(wrong)?;
@@ -149,10 +148,6 @@ impl Diagnose {
         }
         known.check().map_err(|error| Failure::Usage(error.to_string()))?;
         Ok((key, known))
-    }
-
-    fn leads(&self) -> Result<Vec<Lead>, Failure> {
-        self.leads.iter().map(|text| lead(text)).collect()
     }
 
     /// The keys of a table, or of a sheet.

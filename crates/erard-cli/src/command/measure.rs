@@ -65,7 +65,7 @@ pub(crate) struct Measure {
     priority: Stays,
     /// With --sheet: the leads in the key, as grams at mm in front of the balance pin (14@165,14@147; negative is
     /// behind it). The work list moves or removes them before it adds new ones
-    #[arg(long, value_name = "G@MM,..", value_delimiter = ',', requires = "sheet", allow_hyphen_values = true)]
+    #[arg(long, value_name = "G@MM,..", requires = "sheet", allow_hyphen_values = true)]
     leads: Vec<String>,
     /// With --sheet: also write the instrument file as it is after the work, or after its first LINES lines
     /// (carried-out.toml)
@@ -100,7 +100,7 @@ impl Measure {
             return self.rows(session, &asked);
         }
         let named = self.load(session, &asked)?;
-        let leads = self.leads.iter().map(|text| lead(text)).collect::<Result<Vec<_>, _>>()?;
+        let leads = leads(&self.leads)?;
         let texts = asked
             .iter()
             .filter(|_| self.carry_out.is_some())
@@ -350,8 +350,10 @@ fn answer(sheets: &[&Sheet], reports: Vec<Value>) -> Result<Answer, Failure> {
 }
 
 /// A lead: its mass in grams, and where it is in millimetres in front of the balance pin.
-pub(super) fn lead(text: &str) -> Result<Lead, Failure> {
-    Lead::read(text).ok_or_else(|| Failure::Usage(format!("--leads {text}: expected {}", Lead::EXPECTED)))
+/// The leads in a key, of one option `--leads` or several.
+pub(super) fn leads(options: &[String]) -> Result<Vec<Lead>, Failure> {
+    let lists = options.iter().map(|text| Lead::read_list(text)).collect::<Result<Vec<_>, _>>();
+    lists.map(|lists| lists.concat()).map_err(|error| Failure::Usage(format!("--leads {error}")))
 }
 
 /// An instrument by what it is called here.

@@ -20,7 +20,7 @@ use super::play::{failed, score, seconds};
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::instruments::{keyboard_sample, load_keyboard};
-use crate::number::{between, whole};
+use crate::number::{Values, between, list, whole};
 use crate::print_line;
 use crate::scan::{Scanned, report};
 use crate::session::Session;
@@ -57,11 +57,11 @@ pub(crate) struct Scan {
     #[arg(long, value_name = "N,N,..", default_value = "12", value_delimiter = ',', value_parser = whole::<u32>(4, 24), allow_negative_numbers = true)]
     bits: Vec<u32>,
     /// Readings of each key a second, Hz, one or several numbers from 20 to 20000
-    #[arg(long, value_name = "HZ,HZ,..", default_value = "1000", value_delimiter = ',', value_parser = hertz, allow_hyphen_values = true)]
-    rate: Vec<f64>,
+    #[arg(long, value_name = "HZ,HZ,..", default_value = "1000", value_parser = list(between(Quantity::Frequency, "Hz", 20.0, MOST_RATE_HZ)), allow_hyphen_values = true)]
+    rate: Vec<Values>,
     /// Noise of the sensors: standard deviation, % of a key's travel, one or several numbers from 0 to 10
-    #[arg(long, value_name = "%,%,..", default_value = "0.05", value_delimiter = ',', value_parser = percent, allow_hyphen_values = true)]
-    noise: Vec<f64>,
+    #[arg(long, value_name = "%,%,..", default_value = "0.05", value_parser = list(between(Quantity::Share, "%", 0.0, 10.0)), allow_hyphen_values = true)]
+    noise: Vec<Values>,
     /// Seed of the noise, the scatter and the cases' motions
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(0, 1_000_000), allow_negative_numbers = true)]
     seed: u32,
@@ -104,15 +104,6 @@ fn keys(text: &str) -> Result<Keys, String> {
     keys.sort_unstable();
     keys.dedup();
     Ok(Keys(keys))
-}
-
-fn hertz(text: &str) -> Result<f64, String> {
-    between(Quantity::Frequency, "Hz", 20.0, MOST_RATE_HZ)(text)
-}
-
-/// Noise as a share of a key's travel, per cent.
-fn percent(text: &str) -> Result<f64, String> {
-    between(Quantity::Share, "%", 0.0, 10.0)(text)
 }
 
 impl Scan {
@@ -167,8 +158,8 @@ impl Scan {
     fn sensors(&self) -> Result<Vec<Sensor>, Failure> {
         let mut sensors: Vec<Sensor> = Vec::new();
         for &bits in &self.bits {
-            for &rate_hz in &self.rate {
-                for &percent in &self.noise {
+            for &rate_hz in self.rate.iter().flat_map(|list| &list.0) {
+                for &percent in self.noise.iter().flat_map(|list| &list.0) {
                     let sensor = Sensor { bits, rate_hz, noise: 0.01 * percent };
                     if !sensors.contains(&sensor) {
                         sensors.push(sensor);

@@ -16,7 +16,7 @@ use super::options::key;
 use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::number::whole;
+use crate::number::{Values, list, number, whole};
 use crate::paper::Headed;
 use crate::print_line;
 use crate::session::Session;
@@ -40,8 +40,8 @@ pub(crate) struct WeighOptions {
     #[arg(long, requires = "weigh")]
     hammers: bool,
     /// Masses of the available leads, g [default: 14,10,7,4]
-    #[arg(long, value_name = "G,G,..", value_delimiter = ',', requires = "weigh")]
-    leads: Vec<f64>,
+    #[arg(long, value_name = "G,G,..", value_parser = list(number(Quantity::Mass, "g")), allow_hyphen_values = true, requires = "weigh")]
+    leads: Vec<Values>,
     /// Last key of each section of strings but the highest, by number or note: samples of an operation are at the ends
     /// of sections [default: 20,50,70, an estimate for a concert grand]
     #[arg(long = "sections", value_name = "KEY,KEY,..", value_delimiter = ',', value_parser = key, requires = "weigh")]
@@ -182,7 +182,8 @@ impl WeighOptions {
     }
 
     fn leads_g(&self) -> Result<Vec<f64>, Failure> {
-        let leads: Vec<f64> = if self.leads.is_empty() { LEADS_G.to_vec() } else { self.leads.clone() };
+        let given: Vec<f64> = self.leads.iter().flat_map(|list| list.0.iter().copied()).collect();
+        let leads = if given.is_empty() { LEADS_G.to_vec() } else { given };
         match leads.iter().find(|mass| !(1.0..=50.0).contains(*mass)) {
             Some(mass) => Err(Failure::Usage(format!("--leads: {mass} g; expected masses from 1 to 50 g"))),
             None if leads.len() > MOST_LEADS => {

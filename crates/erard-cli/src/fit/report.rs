@@ -26,7 +26,7 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
         });
         json!({
             "name": one.name,
-            "unit": one.unit,
+            "unit": one.unit(),
             "value": value,
             "std": std,
             "start": one.value,

@@ -2,7 +2,6 @@
 
 use erard_workshop::fit::{Channel, FitResult, Meaning, Problem, misfit_unit};
 
-use super::values::unit_shown;
 use crate::table::Table;
 
 /// Decimals with which a number with this error is shown: two digits of the error, at most six places behind the point;
@@ -49,7 +48,7 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
     ]);
     let head = ["parameter", "value", "+-", "start", "from", "to", "unit", ""].map(str::to_owned);
     let rows = found.values().enumerate().map(|(k, (one, value, std))| {
-        let (by, unit) = unit_shown(one.unit);
+        let (by, unit) = one.shown_unit();
         let places = decimals(value * by, std * by);
         let number = |x: f64| shown(x * by, places);
         let end = if one.is_at_a_bound(found.x[k]) { "at its end" } else { "" };

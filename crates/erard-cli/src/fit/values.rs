@@ -1,4 +1,4 @@
-//! Numbers as people write them, and units in which they are shown.
+//! Numbers as people write them.
 
 use erard::instrument::Instrument;
 use erard::parameter::{Change, NumberError, Parameter, Sweep};
@@ -40,17 +40,6 @@ fn read<const N: usize>(
     let (_, parameter) = Parameter::named(instrument, name).map_err(|error| error.to_string())?;
     let changes = read(&parameter).map_err(|error| error.to_string())?;
     Ok(changes.map(|change| parameter.by(instrument, change)))
-}
-
-/// The unit in which an SI value is shown, and how many of these an SI unit is.
-pub(crate) fn unit_shown(si: &'static str) -> (f64, &'static str) {
-    match si {
-        "kg" => (1e3, "g"),
-        "m" => (1e3, "mm"),
-        "rad" => (180.0 / std::f64::consts::PI, "degrees"),
-        "N m" => (1e3, "N mm"),
-        other => (1.0, other),
-    }
 }
 
 #[cfg(test)]

@@ -103,6 +103,7 @@ fn what_is_wrong_is_named() {
         (&["--drop", "much"], "--drop much: expected a number"),
         (&["--key", "H4", "--drop", "1"], "a note from A0 to C8"),
         (&["--drop", "1", "--leads", "14"], "--leads 14: expected grams"),
+        (&["--drop", "1", "--leads", "14,5@165,14@147"], "type `14.5@165, 14@147` or `14,5@165; 14@147`"),
     ] {
         let error = folder.bad(arguments);
         assert!(error.contains(told), "{arguments:?}: {error}");

@@ -1,6 +1,6 @@
 //! Leads of available masses at places where they fit.
 
-use erard::parameter::Quantity;
+use erard::parameter::{Quantity, list_items};
 
 /// A lead in a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +22,15 @@ impl Lead {
         let (mass, at) = text.trim().split_once('@')?;
         let (mass_g, at_mm) = (Quantity::Weight.read_in(mass, "g").ok()?, Quantity::Length.read_in(at, "mm").ok()?);
         ((0.5..=60.0).contains(&mass_g) && (-250.0..=400.0).contains(&at_mm)).then_some(Lead { mass_g, at_mm })
+    }
+
+    /// Reads a list of leads, `14@165,14@147`; between semicolons decimal commas are read.
+    ///
+    /// # Errors
+    /// What was found and expected.
+    pub fn read_list(text: &str) -> Result<Vec<Self>, String> {
+        let read = |one: &str| Self::read(one).ok_or_else(|| format!("{}: expected {}", one.trim(), Self::EXPECTED));
+        list_items(text).map_err(|error| format!("{text}: {error}"))?.into_iter().map(read).collect()
     }
 
     /// Contribution to the front weight of a key with this front arm, g.

@@ -1,7 +1,7 @@
 //! Fitted parameters, their bounds and their scales.
 
 use erard::instrument::{Instrument, InstrumentFile};
-use erard::parameter::{Change, Entry, NameError, Parameter, nearest, register};
+use erard::parameter::{Change, Entry, NameError, Parameter, Quantity, nearest, register};
 
 use super::FitError;
 
@@ -21,10 +21,10 @@ pub struct FitParameter {
     pub name: String,
     /// The parameter.
     pub parameter: Parameter,
-    /// Value in the instrument at the start of the fit, in `unit`.
+    /// Value in the instrument at the start of the fit, in SI units.
     pub value: f64,
-    /// SI unit; empty for a coefficient.
-    pub unit: &'static str,
+    /// Physical quantity.
+    pub quantity: Quantity,
     /// Lower bound, a turn or a factor.
     pub low: f64,
     /// Upper bound, a turn or a factor.
@@ -32,6 +32,19 @@ pub struct FitParameter {
 }
 
 impl FitParameter {
+    /// SI unit; empty for a coefficient.
+    pub fn unit(&self) -> &'static str {
+        self.quantity.si_unit()
+    }
+
+    /// Displayed unit, and how many of it one SI unit is.
+    pub fn shown_unit(&self) -> (f64, &'static str) {
+        match &self.parameter {
+            Parameter::Screw { action, .. } => action.shown_unit(),
+            _ => self.quantity.shown(),
+        }
+    }
+
     fn scale(&self) -> f64 {
         (self.high - self.low) / 2.0
     }
@@ -146,7 +159,7 @@ fn parameter(own: &Entry, bounds: &PerName<[f64; 2]>) -> Result<FitParameter, Fi
         name: own.name.clone(),
         parameter: own.parameter.clone(),
         value: own.value,
-        unit: own.quantity.si_unit(),
+        quantity: own.quantity,
         low,
         high,
     })

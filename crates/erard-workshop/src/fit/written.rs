@@ -37,7 +37,7 @@ impl FitResult {
             let note = if one.parameter.is_factor() {
                 format!("fitted: {x:.5} +- {std:.2} times the number before")
             } else {
-                format!("fitted: turned by {x:.4e} +- {std:.1e} {}", one.unit)
+                format!("fitted: turned by {x:.4e} +- {std:.1e} {}", one.unit())
             };
             changes.extend(
                 one.parameter

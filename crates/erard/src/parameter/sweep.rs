@@ -52,7 +52,7 @@ impl Sweep {
         if text.contains(':') {
             return Err(wrong());
         }
-        let items = separated(text)?;
+        let items = list_items(text)?;
         let (changes, unit) = Self::items(text, &items, quantity, bare)?;
         Ok(Sweep { changes, unit })
     }
@@ -107,17 +107,12 @@ impl Sweep {
     }
 }
 
-/// Reads a list of values in SI units: separated by commas, or by semicolons, between which decimal commas are read.
+/// Items of a list, separated by commas, or by semicolons, between which decimal commas are read.
 ///
 /// # Errors
-/// See [`NumberError`]; a decimal comma in a list with commas is refused.
-pub fn read_list(text: &str, quantity: Quantity, bare: Bare) -> Result<Vec<f64>, NumberError> {
-    separated(text)?.into_iter().map(|item| quantity.read(item, bare)).collect()
-}
-
-/// Items of a list. Refuses commas that look decimal: in `0,5mm,1,5mm` a number without a unit stands directly before
+/// [`NumberError::List`] of commas that look decimal: in `0,5mm,1,5mm` a number without a unit stands directly before
 /// one with a unit. In `0, 1mm` a blank separates them.
-fn separated(text: &str) -> Result<Vec<&str>, NumberError> {
+pub fn list_items(text: &str) -> Result<Vec<&str>, NumberError> {
     if text.contains(';') {
         return Ok(text.split(';').collect());
     }
@@ -207,8 +202,11 @@ mod tests {
             let error = read(text).unwrap_err().to_string();
             assert!(error.contains(told), "{text}: {error}");
         }
-        let error = read_list("0,5mm,1mm", Quantity::Length, Bare::In("mm")).unwrap_err().to_string();
-        assert!(error.contains("`0.5mm, 1mm`"), "{error}");
-        assert_eq!(read_list("8,12", Quantity::Number, Bare::Si).unwrap(), [8.0, 12.0]);
+        for (text, told) in [("0,5mm,1mm", "`0.5mm, 1mm`"), ("14,5@165,14@147", "`14,5@165; 14@147`")] {
+            let error = list_items(text).unwrap_err().to_string();
+            assert!(error.contains(told), "{error}");
+        }
+        assert_eq!(list_items("8,12").unwrap(), ["8", "12"]);
+        assert_eq!(list_items("14,5@165;14@147").unwrap(), ["14,5@165", "14@147"]);
     }
 }
