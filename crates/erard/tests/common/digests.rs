@@ -18,17 +18,8 @@ pub fn digest(run: &Run) -> u64 {
     let totals = [l.now.total(), l.drive_work, l.pivot_dry, l.pivot_viscous, l.felt_damping, l.coulomb];
     let angles = run.bodies.iter().flat_map(|b| b.angle_rad.iter().chain(&b.rate_rad_per_s));
     let forces = run.zones.iter().flat_map(|z| z.normal_n.iter().chain(&z.tangential_n));
-    // The first row's force is written as the one that begins; the digest goes on telling the mechanics alone, where it
-    // is centred on the row's instant as every other is: half of it, for nobody pushed before.
-    let (first, later) = run.force_n.split_first().expect("rows");
-    let first = [0.5 * first];
-    let numbers = angles
-        .chain(forces)
-        .chain(&run.key_m)
-        .chain(&first)
-        .chain(later)
-        .chain(&run.final_pivot_friction_n_m)
-        .chain(&totals);
+    let numbers =
+        angles.chain(forces).chain(&run.key_m).chain(&run.force_n).chain(&run.final_pivot_friction_n_m).chain(&totals);
     fnv1a(FNV1A, numbers.flat_map(|x| x.to_bits().to_le_bytes()))
 }
 
@@ -85,20 +76,20 @@ pub fn long_level_run() -> u64 {
 
 /// The digest of [`long_level_run`]. It changes with the engine, the concert grand, the hands and the search for their
 /// levels.
-pub const LEVELS_PLAYED: u64 = 0xba08_7814_6974_7490;
+pub const LEVELS_PLAYED: u64 = 0xed55_4ac4_c090_0ca4;
 
 /// The digest of [`long_hand_run`]. It changes with every change to the arithmetic of the engine, of hands and of their
 /// strokes, and to the rigid grand.
-pub const HANDS: u64 = 0x6022_a360_d3a3_7b85;
+pub const HANDS: u64 = 0xd00a_efdf_e2bc_829b;
 
 /// The digest of [`long_bending_run`]. It changes with every change to the arithmetic of the engine, to the concert
 /// grand and to the built-in strokes.
-pub const BENDING: u64 = 0x756f_76b3_67bd_b518;
+pub const BENDING: u64 = 0x3a16_5bcf_3b67_837e;
 
 /// The digest of [`long_run`]. It changes with every change to the arithmetic of the engine and to the rigid grand, and
 /// with nothing else. When it is meant to change, look at the other tests' numbers first, then put the new value, which
 /// the failing test prints, here.
-pub const GOLDEN: u64 = 0x9761_ed5a_8dd5_8c3c;
+pub const GOLDEN: u64 = 0x018d_4f2c_7fd6_4e6f;
 
 /// The digest of all built-in instruments and of the built-in keyboard's keys as loaded: with [`GOLDEN`] it says on
 /// which side of the loader a difference between two targets arises. It changes with every number of these instruments
