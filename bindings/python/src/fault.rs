@@ -85,7 +85,7 @@ pub(crate) fn change(error: &ChangeError) -> PyErr {
     match error {
         ChangeError::File(error) => file(error),
         ChangeError::Unknown(NameError::Unknown { name, nearest: expected, .. })
-        | ChangeError::Idle(NameError::Idle { name, acts: expected }) => {
+        | ChangeError::Idle(NameError::Idle { name, acts: expected, .. }) => {
             input(message, &Place { key: name, found: name, expected, ..Place::default() })
         }
         ChangeError::Range { name, found, expected } => {

@@ -2,7 +2,7 @@
 
 use erard::gradient::{Direction, GradientError};
 use erard::instrument::{Instrument, with_numbers};
-use erard::parameter::{NameError, Parameter, Quantity, file_unit, known_name, number_of};
+use erard::parameter::{NameError, Parameter, Quantity, acting_number, file_unit, known_name};
 use thiserror::Error;
 
 /// Half the difference, in units of [`Parameter::vary`], for the map from a number to the mechanism's numbers, which is
@@ -109,7 +109,8 @@ impl Variable {
                 target: Target::Force,
             });
         }
-        Self::number(text, name).unwrap_or_else(|| {
+        let number = acting_number(&plain, text, name).map_err(VariableError::Idle)?;
+        number.map(|number| Self::number(text, name, number)).unwrap_or_else(|| {
             if let Err(error @ NameError::Idle { .. }) = Parameter::named(&plain, name) {
                 return Err(VariableError::Idle(error));
             }
@@ -172,8 +173,7 @@ impl Variable {
         })
     }
 
-    fn number(text: &str, name: &str) -> Option<Result<Self, VariableError>> {
-        let (path, which, value) = number_of(text, name)?;
+    fn number(text: &str, name: &str, (path, which, value): (String, usize, f64)) -> Result<Self, VariableError> {
         let per = unit_of(name);
         let length = per == "mm" || per == "deg";
         let half = if length { 1e-3 } else { 1e-4 * value.abs().max(1e-12) };
@@ -181,21 +181,18 @@ impl Variable {
         let target = Target::Number { text: text.to_owned(), path, which, value };
         let stuck = |why: String| VariableError::Stuck { name: name.to_owned(), why };
         let at = |by: f64| read(&target, by).map_err(&stuck);
-        let made = (|| {
-            let direction =
-                Direction::between(&at(-half)?, &at(half)?, 2.0 * half).map_err(|error| stuck(error.to_string()))?;
-            Ok(Variable {
-                name: name.to_owned(),
-                per,
-                value: Some(value),
-                usual,
-                window,
-                weighing: 4.0 * window,
-                direction,
-                target: target.clone(),
-            })
-        })();
-        Some(made)
+        let direction =
+            Direction::between(&at(-half)?, &at(half)?, 2.0 * half).map_err(|error| stuck(error.to_string()))?;
+        Ok(Variable {
+            name: name.to_owned(),
+            per,
+            value: Some(value),
+            usual,
+            window,
+            weighing: 4.0 * window,
+            direction,
+            target: target.clone(),
+        })
     }
 
     /// A bare number in units of [`Variable::per`]: for a parameter the value of `study --vary` (a turn in m, rad or N

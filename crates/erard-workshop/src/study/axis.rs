@@ -1,10 +1,10 @@
 //! Axes of a study (`let_off=-1mm..1mm:41`): what is varied, from where to where, in how many steps.
 
 use erard::instrument::{Instrument, InstrumentFile, with_numbers};
-use erard::keyboard::{Between, Graded, KEYS, Keyboard, key_named, keys_named};
+use erard::keyboard::{Between, KEYS, Keyboard, key_named, keys_named};
 use erard::parameter::{
-    Bare, Change, ChangeError, NameError, Parameter, Quantity, Sweep, Wanted, file_unit, in_file_unit, known_name,
-    number_of, varied_of,
+    Bare, Change, ChangeError, NameError, Parameter, Quantity, Sweep, Wanted, acting_number, file_unit, in_file_unit,
+    known_name, number_of, varied_of,
 };
 use erard::stroke::MAX_FORCE_N;
 
@@ -214,7 +214,8 @@ impl Axis {
         let all = Parameter::all(instrument);
         let text = source.text(None);
         let name = known_name(name, &all, &text);
-        let target = match (all.into_iter().find(|(known, _)| *known == name), number_of(&text, &name)) {
+        let number = acting_number(instrument, &text, &name)?;
+        let target = match (all.into_iter().find(|(known, _)| *known == name), number) {
             (Some((_, parameter)), _) => Target::Parameter(parameter),
             (None, Some((path, which, _))) => Target::Number(path, which),
             (None, None) => Target::Parameter(Parameter::named(instrument, &name)?.1),
@@ -263,6 +264,7 @@ impl Axis {
             return Self::keys(values);
         }
         let wrong = |error: &dyn std::fmt::Display| format!("`--vary {name}`: {error}");
+        let number = || acting_number(instrument, &source.text(None), name).map_err(|error| format!("--vary: {error}"));
         let axis = if name == FORCE {
             Self::values(name, values, Target::Force, Quantity::Force, "N").map_err(|error| wrong(&error))?
         } else if let Some(grading) = name.strip_prefix(GRADING) {
@@ -272,7 +274,7 @@ impl Axis {
             } else {
                 Self::values(name, values, target, quantity, unit).map_err(|error| wrong(&error))?
             }
-        } else if let Some((path, which, now)) = number_of(&source.text(None), name) {
+        } else if let Some((path, which, now)) = number()? {
             Self::of_number(name, values, (path, which), now).map_err(|error| wrong(&error))?
         } else {
             let (name, parameter) = Parameter::named(instrument, name).map_err(|error| match error {
@@ -535,17 +537,15 @@ fn grading_of(name: &str, source: &Source) -> Result<(Target, Quantity, &'static
             keyboard.base_key
         ));
     };
-    let (quantity, unit) = match grading.graded {
-        Graded::AddedMass { .. } => (Quantity::Mass, "g"),
-        Graded::Factor { .. } => (Quantity::Number, ""),
-        Graded::Shift { .. } => (Quantity::Length, "mm"),
-    };
-    Ok((Target::Grading(index, Some(at)), quantity, unit))
+    // A curve is in the units of its file, which are those of technicians.
+    let quantity = grading.graded.quantity();
+    Ok((Target::Grading(index, Some(at)), quantity, quantity.shown().1))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use erard::keyboard::Graded;
 
     fn read() -> Source {
         Source::of_text(Instrument::builtin_text("concert-grand").unwrap())

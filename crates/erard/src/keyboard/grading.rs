@@ -16,6 +16,7 @@ use crate::instrument::edit::{cite, find, numbers, set, source_name};
 use crate::instrument::from_toml::{Document, Replaced};
 use crate::instrument::reader::LONGEST_TITLE;
 use crate::instrument::{FileNumber, Instrument};
+use crate::parameter::Quantity;
 
 /// Who the source of graded numbers is, in the instrument's own list of sources.
 const AUTHOR: &str = "erard keyboard";
@@ -72,6 +73,18 @@ pub enum Graded {
         /// The unit direction of a positive shift.
         direction: [f64; 2],
     },
+}
+
+impl Graded {
+    /// Physical quantity of a point of the grading's curve.
+    #[must_use]
+    pub fn quantity(&self) -> Quantity {
+        match self {
+            Graded::AddedMass { .. } => Quantity::Mass,
+            Graded::Factor { .. } => Quantity::Number,
+            Graded::Shift { .. } => Quantity::Length,
+        }
+    }
 }
 
 /// The name of a key's instrument.

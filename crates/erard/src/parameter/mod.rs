@@ -24,7 +24,7 @@ pub use quantity::{Quantity, Unit};
 pub use register::{NameError, Parameter, nearest, ten_digits};
 pub use sweep::{Sweep, list_items};
 pub use varied::{
-    ChangeError, Entry, Wanted, file_unit, in_file_unit, known_name, number_of, register, varied, varied_of,
-    varied_text, with_changed_numbers,
+    ChangeError, Entry, Wanted, acting_number, file_unit, in_file_unit, known_name, number_of, register, varied,
+    varied_of, varied_text, with_changed_numbers,
 };
 pub use words::{aliases, canonical_name};

@@ -88,12 +88,14 @@ pub enum NameError {
         /// Similar names.
         nearest: String,
     },
-    /// The name belongs to the computation, not to the piano: changing it does nothing.
-    #[error("`{name}` does nothing in this instrument: it is the hinge at which the part bends; type `{acts}`")]
+    /// Changing the number does nothing.
+    #[error("`{name}` does nothing in this instrument: {why}; type `{acts}`")]
     Idle {
         /// Requested name.
         name: String,
-        /// The name that acts.
+        /// Why nothing depends on it.
+        why: &'static str,
+        /// What acts: a name, or a line of the file.
         acts: String,
     },
 }
@@ -359,13 +361,59 @@ impl Parameter {
     }
 }
 
+/// Why nothing depends on the dry friction of a bend, which only lets it come to rest.
+const IS_A_BEND: &str = "it is the hinge at which the part bends";
+
+/// Reason why a number of the file does nothing in this instrument, by its path, of a point with `.x` or `.y` at the
+/// end; `None` if it acts. `has` says whether the file holds a number at a path, and which.
+pub(super) fn idle_number(instrument: &Instrument, path: &str, has: impl Fn(&str) -> Option<f64>) -> Option<NameError> {
+    let number = FileNumber::of_path(path)?;
+    let (point, axis) = match path.rsplit_once('.') {
+        Some((point, axis @ ("x" | "y"))) => (point, axis),
+        _ => (path, ""),
+    };
+    let part = number.part_of(point)?;
+    let idle = |why, acts| Some(NameError::Idle { name: path.to_owned(), why, acts });
+    match number {
+        FileNumber::BODY_FRICTION | FileNumber::BODY_STATIC_RATIO | FileNumber::BODY_DWELL => {
+            let body = instrument.bodies.iter().position(|body| body.name == part && body.is_bend)?;
+            idle(IS_A_BEND, number.path(&instrument.bodies[instrument.first_piece(body)].name))
+        }
+        FileNumber::LINE_NORMAL | FileNumber::SCREW_DIRECTION => {
+            let other = format!("{point}.{}", if axis == "x" { "y" } else { "x" });
+            let is_alone = !axis.is_empty() && has(&other) == Some(0.0);
+            if is_alone { idle("only the direction counts, not its length", other) } else { None }
+        }
+        _ if number.table.starts_with("string.") && !instrument.has_yielding_strings() => {
+            idle("the string is held rigid", "rigid_string = false".to_owned())
+        }
+        _ if number.table.starts_with("bridge_mode.") && instrument.roles.rigid_bridge => {
+            idle("the bridge is held rigid", "rigid_bridge = false".to_owned())
+        }
+        _ if number.table.starts_with("bridge_mode.") && !instrument.has_yielding_strings() => {
+            idle("the string is held rigid", "rigid_string = false".to_owned())
+        }
+        FileNumber::STRING_DIAMETER => {
+            let acts = [FileNumber::STRING_MASS, FileNumber::STRING_INHARMONICITY].map(|number| number.path(part));
+            let is_replaced = acts.iter().all(|path| has(path).is_some());
+            let [mass, _] = acts;
+            if is_replaced { idle("the file states what follows from it, mass and inharmonicity", mass) } else { None }
+        }
+        _ => None,
+    }
+}
+
 /// The name that acts instead of the dry torque of a bend; `None` if the name is no such torque.
 fn idle(instrument: &Instrument, name: &str) -> Option<NameError> {
     let body = name.strip_prefix("body.")?.strip_suffix(".friction")?;
     let body = instrument.bodies.iter().position(|own| own.name == body)?;
     let acts = &instrument.bodies[instrument.first_piece(body)];
     let is_idle = instrument.bodies[body].is_bend && !acts.is_bend && acts.friction_torque_n_m > 0.0;
-    is_idle.then(|| NameError::Idle { name: name.to_owned(), acts: format!("body.{}.friction", acts.name) })
+    is_idle.then(|| NameError::Idle {
+        name: name.to_owned(),
+        why: IS_A_BEND,
+        acts: format!("body.{}.friction", acts.name),
+    })
 }
 
 /// Returns the three known names most similar to one.

@@ -1,7 +1,8 @@
 //! Instruments with some numbers changed by name.
 
 use super::number::NumberError;
-use super::{Bare, Change, NameError, Parameter, Quantity, Unit, canonical_name};
+use super::register::idle_number;
+use super::{Bare, Change, FileNumber, NameError, Parameter, Quantity, Unit, canonical_name};
 use crate::instrument::{Certainty, FileError, Instrument, InstrumentFile, Spread, numbers_at, with_numbers};
 use thiserror::Error;
 
@@ -208,6 +209,7 @@ pub fn with_changed_numbers(
 /// Finds a number of the file by its path, of a point by `.x` or `.y` after it: path, component and value.
 #[must_use]
 pub fn number_of(text: &str, name: &str) -> Option<(String, usize, f64)> {
+    FileNumber::of_path(name)?;
     if let Some([value]) = numbers_at(text, name).as_deref() {
         return Some((name.to_owned(), 0, *value));
     }
@@ -217,9 +219,27 @@ pub fn number_of(text: &str, name: &str) -> Option<(String, usize, f64)> {
     Some((path.to_owned(), which, values[which]))
 }
 
-/// [`number_of`], or why the name is neither that of a number nor a parameter's.
+/// [`number_of`] for the file of an instrument, if the instrument depends on the number.
+///
+/// # Errors
+/// [`NameError::Idle`] of a number that does nothing.
+#[allow(clippy::type_complexity)]
+pub fn acting_number(
+    instrument: &Instrument,
+    text: &str,
+    name: &str,
+) -> Result<Option<(String, usize, f64)>, NameError> {
+    let found = number_of(text, name);
+    let has = |path: &str| number_of(text, path).map(|(.., value)| value);
+    match found.as_ref().and_then(|_| idle_number(instrument, name, has)) {
+        Some(error) => Err(error),
+        None => Ok(found),
+    }
+}
+
+/// [`acting_number`], or why the name is neither that of a number nor a parameter's.
 fn number_or_fault(instrument: &Instrument, text: &str, name: &str) -> Result<(String, usize, f64), ChangeError> {
-    number_of(text, name).ok_or_else(|| match Parameter::named(instrument, name) {
+    acting_number(instrument, text, name)?.ok_or_else(|| match Parameter::named(instrument, name) {
         Err(error) => error.into(),
         Ok((name, _)) => unreachable!("{name} is a parameter"),
     })
