@@ -2,7 +2,6 @@
 
 use erard::parameter::Quantity;
 
-use super::screw::{KNOWN_SCREWS, KnownScrew};
 use crate::distances::{Distances, Trial};
 
 use Quantity::{Length, Share, Speed};
@@ -145,13 +144,6 @@ impl Goal {
             Goal::Check | Goal::RepetitionRise | Goal::Spring => Trial::MediumBlow,
             _ => Trial::SlowKey,
         }
-    }
-
-    /// Screws of the goal, the usual one first; the next takes over at the end of its range. Each with its effect on
-    /// the goal ([`KnownScrew`]).
-    pub(crate) fn screws(self) -> impl Iterator<Item = (&'static KnownScrew, f64)> + Clone {
-        let effect = move |screw: &'static KnownScrew| screw.goals.iter().find(|(goal, _)| *goal == self);
-        KNOWN_SCREWS.iter().filter_map(move |screw| Some((screw, effect(screw)?.1)))
     }
 
     /// Value of a missing event: a hammer that is not caught is infinitely low and does not rise; a key without a

@@ -2,7 +2,7 @@
 
 use erard::instrument::{Instrument, Screw, ScrewAction, Vec2};
 
-use super::Goal;
+use super::goal::Goal;
 
 /// Work at the bench that corresponds to a screw of the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +44,7 @@ pub struct KnownScrew {
     /// Goals for which the screw is turned, each with its effect on the goal per m, rad or N m turned along
     /// `reference`: a first guess, corrected by the first turn. Sizes follow from lever arms (a hammer's head moves
     /// about ten times as far as its knuckle).
-    pub(crate) goals: &'static [(Goal, f64)],
+    pub goals: &'static [(Goal, f64)],
 }
 
 const UP: Vec2 = [0.0, 1.0];
@@ -170,6 +170,15 @@ pub const KNOWN_SCREWS: [KnownScrew; 12] = [
 /// Finds a screw by its name.
 pub fn known_screw(name: &str) -> Option<&'static KnownScrew> {
     KNOWN_SCREWS.iter().find(|screw| screw.name == name)
+}
+
+impl Goal {
+    /// Screws of the goal, the usual one first; the next takes over at the end of its range. Each with its effect on
+    /// the goal ([`KnownScrew`]).
+    pub(crate) fn screws(self) -> impl Iterator<Item = (&'static KnownScrew, f64)> + Clone {
+        let effect = move |screw: &'static KnownScrew| screw.goals.iter().find(|(goal, _)| *goal == self);
+        KNOWN_SCREWS.iter().filter_map(move |screw| Some((screw, effect(screw)?.1)))
+    }
 }
 
 impl KnownScrew {
