@@ -101,7 +101,7 @@ def test_a_variant_that_fails_has_its_reason(grand: erard.Instrument) -> None:
     assert list(by_path["failed"]) == [False, True] and "mass_g" in by_path["error"][1]
     own = grand.parameters["capstan_height"].value
     sheet = erard.study(grand, capstan_height=[own, own + 0.02], force=5.0, duration=0.1, measure=["key_ratio"])
-    assert not sheet["failed"].any() and np.isnan(sheet["key_ratio"][1]) and sheet["key_ratio"][0] > 1
+    assert not sheet["failed"].any() and np.isnan(sheet["key_ratio"][1]) and sheet["key_ratio"][0] > 0.4
     assert sheet["error"][0] == "" and sheet["error"][1].startswith("not measured: cannot be measured")
     assert sheet.errors == {1: sheet["error"][1]} and "failed" not in repr(sheet)
 

@@ -20,10 +20,9 @@ use crate::number::number;
 use crate::print_line;
 use crate::session::Session;
 use crate::study::sensitivities as sensitive;
-use crate::study::{chart, shown, table_of};
+use crate::study::{figure, shown, table_of};
 use crate::table::Table;
 use crate::warn;
-use erard_figures::figure::chart_picture;
 
 /// Text below the options.
 const AFTER: &str = include_str!("help/study.txt");
@@ -167,8 +166,7 @@ impl Study {
         }
         output.table(session, "study.csv", &table)?;
         let title = format!("{} - {} ({})", instrument.name, stroke.title, stroke.driven());
-        if let Some(chart) = chart(&title, &axes, &rows) {
-            let picture = chart_picture(&chart, "study");
+        if let Some(picture) = figure(&title, &axes, &rows) {
             output.figure(session, "study", &picture)?;
         }
         let written = output.commit(session)?;
@@ -206,11 +204,12 @@ impl Study {
         }
         print_line!(session);
         print_line!(session, "{written}");
-        let mut answer = Answer::table(session, Some(&table)).with("instrument", &instrument.name)?;
+        let answer = Answer::table(session, Some(&table)).with("instrument", &instrument.name)?;
+        let mut answer = answer.with("stroke", &stroke.title)?.with("warnings", &doubts)?;
         if let Some((found, _)) = &banded {
             answer = answer.with("failed_samples", &found.failed)?;
         }
-        Ok(answer.with("stroke", &stroke.title)?.with("warnings", &doubts)?.files(&written))
+        Ok(answer.files(&written))
     }
 
     /// The values of every row, row by row, with their bands over samples of the instrument: the same study of each.

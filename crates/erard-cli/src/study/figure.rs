@@ -1,7 +1,8 @@
 //! A study as a figure: what came of the strokes over what was varied first.
 
 use erard::run::Events;
-use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash};
+use erard_figures::Picture;
+use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash, subtitled_chart_picture};
 
 use erard_workshop::study::{Axis, Row};
 
@@ -25,9 +26,14 @@ fn failed(rows: &[Row]) -> String {
     }
 }
 
-/// The figure; `None` where the first axis has one value only or the others make too many curves. Rows stand in the
+/// The figure, which says how many strokes failed; `None` where [`chart`] makes none.
+pub(crate) fn figure(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Picture> {
+    chart(title, axes, rows).map(|chart| subtitled_chart_picture(&chart, &failed(rows), "study"))
+}
+
+/// The chart; `None` where the first axis has one value only or the others make too many curves. Rows stand in the
 /// order of the axes, the last one fastest.
-pub(crate) fn chart(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Chart> {
+fn chart(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Chart> {
     let (first, others) = axes.split_first()?;
     let curves: usize = others.iter().map(|axis| axis.shown.len()).product();
     if first.shown.len() < 2 || curves > MOST_CURVES {
@@ -57,7 +63,7 @@ pub(crate) fn chart(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Chart> {
     let unit = if first.unit.is_empty() { "factor" } else { first.unit };
     Some(Chart {
         title: title.into(),
-        caption: failed(rows),
+        caption: String::new(),
         x_label: format!("{} ({unit})", first.name),
         x_log: false,
         panels: QUANTITIES.iter().map(panel).collect(),

@@ -4,5 +4,5 @@ mod figure;
 pub(crate) mod sensitivities;
 mod table;
 
-pub(crate) use figure::chart;
+pub(crate) use figure::figure;
 pub(crate) use table::{shown, table_of};

@@ -56,13 +56,18 @@ const PANEL: f64 = 230.0;
 
 /// The chart as a picture. `id` makes its clip paths unique within a page.
 pub fn chart_picture(chart: &Chart, id: &str) -> Picture {
+    subtitled_chart_picture(chart, "", id)
+}
+
+/// The chart as a picture with a line under its title, for what its caption cannot say outside a page.
+pub fn subtitled_chart_picture(chart: &Chart, subtitle: &str, id: &str) -> Picture {
     let panels = chart.panels.iter().map(panel).collect();
     let labels = chart.panels.iter().flat_map(|panel| &panel.curves).map(|curve| curve.label.chars().count());
     let longest = labels.max().unwrap_or(0);
     let figure = Figure {
         width_px: WIDTH + CHARACTER * longest.saturating_sub(ROOM) as f64,
         x_scale: if chart.x_log { Scale::Logarithmic } else { Scale::Linear },
-        ..Figure::over(&chart.x_label, abscissae(chart), chart.title.clone(), String::new(), panels)
+        ..Figure::over(&chart.x_label, abscissae(chart), chart.title.clone(), subtitle.to_owned(), panels)
     };
     figure_picture_named(&figure, id)
 }

@@ -19,7 +19,7 @@ mod ticks;
 mod tornado;
 
 pub use axis::Scale;
-pub use chart::{Chart, ChartCurve, ChartPanel, chart_picture};
+pub use chart::{Chart, ChartCurve, ChartPanel, chart_picture, subtitled_chart_picture};
 pub(crate) use decimate::decimate;
 pub use pair::{COINCIDE, pair_picture};
 pub(crate) use pair::{pair_figure, paired_zones};
