@@ -6,10 +6,14 @@ use std::sync::LazyLock;
 use crate::common::{grand, tremolo};
 use erard::instrument::Instrument;
 use erard::one_dof;
+use erard::parameter::{Parameter, Wanted};
 use erard::player;
 use erard::run::Run;
 use erard::run::{Setup, SimulationError, simulate};
-use erard_workshop::study::{Job, JobResult, Lanes, Played, Sampling, Stroke, Workers, play_all, sample_all};
+use erard_workshop::compare::Which;
+use erard_workshop::study::{
+    Axis, Grid, Job, JobResult, Lanes, Played, Sampling, Source, Stroke, Workers, play_all, sample_all,
+};
 use moreau::{Elastoplastic, Settings};
 
 /// Variants of the grand as in a study, another action, and models of other sizes.
@@ -315,4 +319,48 @@ fn samples_are_the_rows_of_the_run() {
     }
     let unknown = Sampling::of(&grand(), &["hammer_mm"], 1).unwrap_err().to_string();
     assert!(unknown.contains("`hammer_mm`") && unknown.contains("hammer_head_m"), "{unknown}");
+}
+
+/// Combinations come in the order of the axes, the last fastest; some of them are those of all, to the bit; a variant
+/// that fails says why; what was changed before stays changed.
+#[test]
+fn a_grid_plays_every_combination() {
+    let instrument = grand();
+    let text = Instrument::builtin_text("concert-grand").expect("built in");
+    let mass = instrument.bodies.iter().find(|body| body.name == "hammer").expect("a hammer").mass_kg;
+    let lighter = vec![("body.key.mass".to_owned(), Wanted::Text("x0.9".to_owned()))];
+    let source = Source::Text { text: text.to_owned(), changes: lighter };
+    let axes = [
+        Axis::of_values("body.hammer.mass_g", vec![1e3 * mass, -1.0], &instrument, &source).expect("a number"),
+        Axis::of_values("let_off", vec![1e-4, 2e-4], &instrument, &source).expect("a screw"),
+        Axis::of_forces(vec![4.0, 6.0]),
+    ];
+    let (stroke, setup) = (erard::stroke::Stroke::constant(String::new(), 0.0), Setup::new(0.05));
+    let grid = Grid {
+        instrument: &instrument,
+        source: &source,
+        model: Which::Action,
+        axes: &axes,
+        lines: &[],
+        stroke: &stroke,
+        each: None,
+        setup: &setup,
+        workers: threads(2),
+    };
+    let rows = grid.play(&mut |_| true).expect("played");
+    assert_eq!((rows.len(), &rows[5].values[..]), (8, &[-1.0, 1e-4, 6.0][..]));
+    assert_eq!(grid.play_rows(1..6, &mut |_| true).expect("played"), rows[1..6]);
+    for (row, failed) in rows.iter().zip([false, false, false, false, true, true, true, true]) {
+        assert_eq!(row.error().is_some_and(|error| error.contains("mass_g")), failed, "{row:?}");
+    }
+    let mut own = instrument.clone();
+    let key = Parameter::named(&own, "body.key.mass").expect("a mass").1;
+    let screw = own.screw("let_off").expect("a screw");
+    assert!(key.vary(&mut own, 0.9) && own.turn(screw, 2e-4));
+    let alone = simulate(&own, &player::force(|_| 6.0), &setup, &mut |_| true).expect("played");
+    let played = rows[3].outcome.as_ref().expect("played");
+    let [found, wanted] = [&played.events, &alone.events].map(|events| events.key_start_s.expect("it moves"));
+    assert!((found - wanted).abs() < 1e-9, "{found} {wanted}");
+    assert!(matches!(grid.play(&mut |_| false), Err(SimulationError::Interrupted)));
+    assert!(Axis::of_values("let_of", vec![0.0], &instrument, &source).is_err());
 }
