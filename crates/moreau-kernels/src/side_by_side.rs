@@ -74,7 +74,6 @@ fn one_part(
             grouped::<6, 14, 10>(Group::in_eights_single, descriptions, states, settings)
         }
         (Size::Eight, Lanes::Four) => grouped::<8, 20, 49>(Group::in_fours, descriptions, states, settings),
-        (Size::Eight, Lanes::Eight) => grouped::<8, 20, 49>(Group::in_eights, descriptions, states, settings),
         (Size::Eight, Lanes::EightSingle) => {
             grouped::<8, 20, 49>(Group::in_eights_single, descriptions, states, settings)
         }

@@ -66,16 +66,14 @@ impl Size {
         Size::ALL.into_iter().find(fits).unwrap_or(Size::Most)
     }
 
-    /// Returns the widest lanes, `wanted` at most, that are compiled for this size. Each kind of lanes takes as long to
-    /// compile as a whole library, so few are: eight bodies (a grand action that bends) have four and eight doubles and
-    /// eight single-precision numbers; six bodies have four doubles and eight single-precision numbers; nine have four
-    /// doubles; other sizes have none.
+    /// Returns the lanes that are compiled for this size, `wanted` or none wider. Each kind of lanes takes as long to
+    /// compile as a whole library, so few are: six and eight bodies have four doubles and eight numbers of single
+    /// precision, nine have four doubles, and the other sizes have none.
     pub fn lanes(self, wanted: Lanes) -> Lanes {
         match (self, wanted) {
             (_, Lanes::One) | (Size::One | Size::Most, _) => Lanes::One,
-            (Size::Six | Size::Eight, Lanes::EightSingle) => Lanes::EightSingle,
-            (Size::Eight, doubles) => doubles,
-            (Size::Six | Size::Nine, _) => Lanes::Four,
+            (Size::Nine, _) => Lanes::Four,
+            (Size::Six | Size::Eight, wanted) => wanted,
         }
     }
 

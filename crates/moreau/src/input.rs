@@ -1,7 +1,7 @@
 //! The drive of a mechanism in one step.
 
 use crate::hand::Hand;
-use crate::real::{Real, Scalar, join_all, same_bits};
+use crate::real::{Real, Scalar, join, same_bits};
 
 /// Correction gain for prescribed motions ([`Input::Rigid`]), per step. A caller adds this share of the site's lag
 /// behind the prescribed position, divided by the step, to the velocity of the next step. Errors of rounding and of
@@ -93,7 +93,7 @@ fn each<S: Scalar, T: Real, const K: usize>(
     numbers: impl Fn(&Input<S>) -> Option<[S; K]>,
 ) -> Option<[T; K]> {
     let all = inputs.len() == T::LANES && inputs.iter().all(|input| numbers(input).is_some());
-    all.then(|| join_all::<S, T, K>(|lane| numbers(&inputs[lane]).unwrap_or([S::ZERO; K])))
+    all.then(|| core::array::from_fn(|k| join(|lane| numbers(&inputs[lane]).unwrap_or([S::ZERO; K])[k])))
 }
 
 /// A hand per lane. Out of line, so that nothing else pays for it.

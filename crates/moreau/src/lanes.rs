@@ -142,13 +142,12 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
 
     /// Returns the state of one lane.
     pub fn lane<S: Scalar>(&self, lane: usize) -> State<S, B, Z> {
-        State::from(self.numbers.map(|x| cast(x.lane(lane))))
+        State::from(self.numbers.lane_in(lane))
     }
 
     /// Copies the numbers of one lane into an existing state.
-    #[inline(always)]
     pub fn copy_lane<S: Scalar>(&self, lane: usize, one: &mut State<S, B, Z>) {
-        one.numbers = self.numbers.map(|x| cast(x.lane(lane)));
+        one.numbers = self.numbers.lane_in(lane);
     }
 }
 

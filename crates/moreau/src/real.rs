@@ -96,6 +96,12 @@ pub trait Real:
     fn join(x: impl Fn(usize) -> Self::Lane) -> Self;
     /// Returns the number of one lane.
     fn lane(self, lane: usize) -> Self::Lane;
+    /// Returns the number of one lane, read where it stands. What reads a lane that is not known when this is compiled
+    /// needs no copy of all lanes.
+    #[inline(always)]
+    fn lane_in(&self, lane: usize) -> Self::Lane {
+        self.lane(lane)
+    }
     /// Returns these numbers with another one in one lane.
     fn with_lane(self, lane: usize, x: Self::Lane) -> Self;
     /// Returns self + a b. Lanes round once, with one fused instruction. A single number rounds twice, product and sum,
@@ -258,9 +264,13 @@ pub(crate) fn join<S: Scalar, T: Real>(x: impl Fn(usize) -> S) -> T {
 }
 
 /// As many of them as an array has.
-#[inline(always)]
 pub(crate) fn join_all<S: Scalar, T: Real, const K: usize>(x: impl Fn(usize) -> [S; K]) -> [T; K] {
-    core::array::from_fn(|k| join(|lane| x(lane)[k]))
+    // Compiled once for all lists of a length: mechanisms are put into lanes once, and their lists are many.
+    #[inline(never)]
+    fn joined<S: Scalar, T: Real, const K: usize>(x: &dyn Fn(usize) -> [S; K]) -> [T; K] {
+        core::array::from_fn(|k| join(|lane| x(lane)[k]))
+    }
+    joined(&x)
 }
 
 /// Whether two numbers are the same to the bit in every lane. Widening to f64 keeps every bit's meaning.

@@ -1,7 +1,7 @@
 //! Numbers of a state: the single list by which they are copied, compared, and put into lanes.
 
 use crate::law::MEMORY;
-use crate::real::Real;
+use crate::real::{Real, Scalar, cast};
 
 /// All numbers that a step's result depends on. The other contents of a [`State`](crate::State) only save work.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +69,18 @@ macro_rules! each_field {
                     },)*
                     $($pair: self.$pair,)*
                     $($alone: self.$alone,)*
+                }
+            }
+
+            /// One lane's numbers, in another precision.
+            pub(crate) fn lane_in<S: Scalar>(&self, lane: usize) -> SavedState<S, B, Z> {
+                let one = |x: &T| cast(x.lane_in(lane));
+                SavedState {
+                    $($body: self.$body.each_ref().map(one),)*
+                    $($zone: self.$zone.each_ref().map(one),)*
+                    $($memory: self.$memory.each_ref().map(|numbers| numbers.each_ref().map(one)),)*
+                    $($pair: self.$pair.each_ref().map(one),)*
+                    $($alone: one(&self.$alone),)*
                 }
             }
 

@@ -1,5 +1,5 @@
-//! Many grands at once: one after the other, in four and (where there is AVX-512) eight lanes of one core, in eight
-//! of single precision, and in the most lanes of doubles on all cores, in turn within one run.
+//! Many grands at once: one after the other, in four lanes of one core, in eight of single precision, and in four on
+//! all cores, in turn within one run.
 //!
 //! `cargo bench -p erard-bench --bench batch`, `-- --rounds N` for more or fewer than 21. Two loads: a parameter study
 //! (the same note on grands of other weight and stiffness) and a fortissimo tremolo in which every lane is in another

@@ -24,7 +24,6 @@ pub use sampling::Times;
 pub(crate) use sampling::{Timed, in_turn};
 
 use erard::Progress;
-use moreau_kernels::Lanes;
 use serde_json::{Value, json};
 
 use latency::{of_group_steps, of_steps};
@@ -92,7 +91,7 @@ pub fn instruction_sets() -> Vec<&'static str> {
         ("sse2", true),
         ("avx2", std::arch::is_x86_feature_detected!("avx2")),
         ("fma", std::arch::is_x86_feature_detected!("fma")),
-        ("avx512", Lanes::most() == Lanes::Eight),
+        ("avx512", std::arch::is_x86_feature_detected!("avx512f")),
     ];
     #[cfg(target_arch = "aarch64")]
     let all = [("neon", std::arch::is_aarch64_feature_detected!("neon"))];

@@ -6,23 +6,9 @@ use moreau::{
     Input, Mask, Model, Outcome, Real, SavedState, Scalar, Settings, State, Workspace, step_lanes, step_out_of_line,
 };
 
+use super::Together;
 use super::avx2::F64x4;
 use super::avx2_single::F32x8;
-use super::avx512::F64x8;
-
-/// Does something with a lane: one that is known when this is compiled is read from memory where it stands; any other
-/// by way of all lanes.
-macro_rules! known {
-    ($which:expr, |$lane:ident| $does:expr) => {
-        known!($which, $lane, $does, 0 1 2 3 4 5 6 7)
-    };
-    ($which:expr, $lane:ident, $does:expr, $($known:literal)*) => {
-        match $which {
-            $($known => { const LANE: usize = $known; let $lane = LANE; $does })*
-            $lane => $does,
-        }
-    };
-}
 
 /// One step of all lanes: writes how each ended, or does nothing and returns false where the inputs are not of one
 /// kind.
@@ -43,6 +29,7 @@ struct Stepped<T: Real, const B: usize, const Z: usize, const N: usize> {
 
 /// As many mechanisms as T has lanes, side by side.
 pub(crate) struct Lanes<T: Real, const B: usize, const Z: usize, const N: usize> {
+    kind: super::Lanes,
     kernel: Kernel<T, B, Z, N>,
     stepped: Stepped<T, B, Z, N>,
     models: Vec<Model<f64, B, Z>>,
@@ -55,6 +42,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     /// Its parts are written where they stay: eight doubles of eight bodies are half a megabyte, which the stack of a
     /// thread holds once or twice.
     fn new(
+        kind: super::Lanes,
         kernel: Kernel<T, B, Z, N>,
         models: &[Model<f64, B, Z>],
         states: &[State<f64, B, Z>],
@@ -71,6 +59,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
             write_state(&raw mut (*lanes).stepped.state, states);
             write_workspace(&raw mut (*lanes).stepped.workspace);
             (&raw mut (*lanes).stepped.settings).write(Settings::in_lanes(settings));
+            (&raw mut (*lanes).kind).write(kind);
             (&raw mut (*lanes).kernel).write(kernel);
             (&raw mut (*lanes).models).write(models.to_vec());
             (&raw mut (*lanes).own_settings).write(*settings);
@@ -78,38 +67,6 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
             // Every field has been written.
             Some(boxed.assume_init())
         }
-    }
-
-    /// One step; writes how each mechanism's ended.
-    #[inline]
-    pub(crate) fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
-        let Lanes { kernel, stepped, rests_under, .. } = self;
-        rests_under.clear();
-        // SAFETY: `kernel` asks for the instructions it is compiled for. `new` is called by the functions of `width!`
-        // alone, which have asked the processor for those of the kernel that they pass.
-        if !unsafe { kernel(stepped, inputs, outcomes) } {
-            self.one_by_one(inputs, outcomes);
-        }
-    }
-
-    /// One step, unless it would change nothing in any lane.
-    pub(crate) fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
-        let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
-        if self.is_at_rest() && inputs.iter().zip(&self.rests_under).all(|(a, b)| a.identical(b)) {
-            outcomes.fill(Outcome::Converged);
-            return;
-        }
-        let before = self.stepped.state.stands().then(|| self.stepped.state.clone());
-        self.step(inputs, outcomes);
-        let same = before.is_some_and(|before| before.identical(&self.stepped.state));
-        if same && outcomes.iter().all(|outcome| *outcome == Outcome::Converged) {
-            self.rests_under.extend_from_slice(inputs);
-        }
-    }
-
-    /// Whether the last step changed nothing.
-    pub(crate) fn is_at_rest(&self) -> bool {
-        self.rests_under.len() == T::LANES
     }
 
     /// Inputs of different kinds: each lane alone.
@@ -124,32 +81,53 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
             self.stepped.state.set_lane(i, &state);
         }
     }
+}
 
-    /// One lane's angles and velocities.
-    #[inline]
-    pub(crate) fn motion(&self, lane: usize) -> ([f64; B], [f64; B]) {
-        (
-            self.stepped.state.angle.map(|x| x.lane(lane).to_f64()),
-            self.stepped.state.velocity.map(|x| x.lane(lane).to_f64()),
-        )
+impl<T: Real<Mask: Send> + Send, const B: usize, const Z: usize, const N: usize> Together<B, Z> for Lanes<T, B, Z, N> {
+    fn lanes(&self) -> super::Lanes {
+        self.kind
     }
 
-    /// Copies one lane's angles and velocities.
-    #[inline]
-    pub(crate) fn copy_motion(&self, lane: usize, angles: &mut [f64; B], velocities: &mut [f64; B]) {
+    fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        let Lanes { kernel, stepped, rests_under, .. } = self;
+        rests_under.clear();
+        // SAFETY: `kernel` asks for the instructions it is compiled for. `new` is called by the functions of `width!`
+        // alone, which have asked the processor for those of the kernel that they pass.
+        if !unsafe { kernel(stepped, inputs, outcomes) } {
+            self.one_by_one(inputs, outcomes);
+        }
+    }
+
+    fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+        let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
+        if self.is_at_rest() && inputs.iter().zip(&self.rests_under).all(|(a, b)| a.identical(b)) {
+            outcomes.fill(Outcome::Converged);
+            return;
+        }
+        let before = self.stepped.state.stands().then(|| self.stepped.state.clone());
+        self.step(inputs, outcomes);
+        let same = before.is_some_and(|before| before.identical(&self.stepped.state));
+        if same && outcomes.iter().all(|outcome| *outcome == Outcome::Converged) {
+            self.rests_under.extend_from_slice(inputs);
+        }
+    }
+
+    fn is_at_rest(&self) -> bool {
+        self.rests_under.len() == T::LANES
+    }
+
+    fn copy_motion(&self, lane: usize, angles: &mut [f64; B], velocities: &mut [f64; B]) {
         let SavedState { angle, velocity, .. } = &*self.stepped.state;
-        known!(lane, |lane| for i in 0..B {
-            (angles[i], velocities[i]) = (angle[i].lane(lane).to_f64(), velocity[i].lane(lane).to_f64());
-        });
+        for i in 0..B {
+            (angles[i], velocities[i]) = (angle[i].lane_in(lane).to_f64(), velocity[i].lane_in(lane).to_f64());
+        }
     }
 
-    /// Copies one lane's state.
-    pub(crate) fn copy_state(&self, lane: usize, state: &mut State<f64, B, Z>) {
-        known!(lane, |lane| self.stepped.state.copy_lane(lane, state));
+    fn copy_state(&self, lane: usize, state: &mut State<f64, B, Z>) {
+        self.stepped.state.copy_lane(lane, state);
     }
 
-    /// One lane's state.
-    pub(crate) fn state(&self, lane: usize) -> State<f64, B, Z> {
+    fn state(&self, lane: usize) -> State<f64, B, Z> {
         self.stepped.state.lane(lane)
     }
 }
@@ -196,7 +174,7 @@ unsafe fn write_workspace<T: Real, const B: usize, const Z: usize, const N: usiz
 
 /// A width's kernel: `None` where the processor or the models do not allow it.
 macro_rules! width {
-    ($name:ident, $number:ident, $has:ident, $kernel:ident, $features:literal) => {
+    ($kind:ident, $name:ident, $number:ident, $has:ident, $kernel:ident, $features:literal) => {
         pub fn $name<const B: usize, const Z: usize, const N: usize>(
             models: &[Model<f64, B, Z>],
             states: &[State<f64, B, Z>],
@@ -205,7 +183,7 @@ macro_rules! width {
             if !$has() {
                 return None;
             }
-            Lanes::new($kernel, models, states, settings)
+            Lanes::new(super::Lanes::$kind, $kernel, models, states, settings)
         }
 
         #[target_feature(enable = $features)]
@@ -219,19 +197,11 @@ macro_rules! width {
     };
 }
 
-width!(four, F64x4, has_avx2, four_step, "avx2,fma");
-width!(eight, F64x8, has_avx512, eight_step, "avx512f,avx512vl,avx512dq,avx512bw");
-width!(eight_single, F32x8, has_avx2, eight_single_step, "avx2,fma");
+width!(Four, four, F64x4, has_avx2, four_step, "avx2,fma");
+width!(EightSingle, eight_single, F32x8, has_avx2, eight_single_step, "avx2,fma");
 
 pub(crate) fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
-}
-
-pub(crate) fn has_avx512() -> bool {
-    is_x86_feature_detected!("avx512f")
-        && is_x86_feature_detected!("avx512vl")
-        && is_x86_feature_detected!("avx512dq")
-        && is_x86_feature_detected!("avx512bw")
 }
 
 /// The kernel for any number. Inputs are joined in here, so that they are written as wide as they are read.

@@ -1,17 +1,14 @@
 //! Several mechanisms in parallel in the processor's vector lanes.
 //!
 //! The physics is `moreau`'s one generic kernel ([`moreau::step_lanes`]). This module supplies numbers that are four
-//! (AVX2) or eight (AVX-512) doubles wide, compiled for those instructions and selected at run time. On other
-//! processors the mechanisms are stepped one after the other. Either way every mechanism gets the result of
-//! [`moreau::step()`] alone, to rounding. AVX2 holds eight numbers in single precision; models and states are passed in
-//! doubles even then.
+//! doubles or eight numbers of single precision wide (AVX2), compiled for those instructions and selected at run time.
+//! On other processors the mechanisms are stepped one after the other. Either way every mechanism gets the result of
+//! [`moreau::step()`] alone, to rounding. Models and states are passed in doubles even in single precision.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx2_single;
-#[cfg(target_arch = "x86_64")]
-mod avx512;
 #[cfg(target_arch = "x86_64")]
 mod kernels;
 #[cfg(target_arch = "x86_64")]
@@ -26,8 +23,6 @@ pub enum Lanes {
     One,
     /// Four doubles in a register: AVX2.
     Four,
-    /// Eight doubles in a register: AVX-512.
-    Eight,
     /// Eight numbers of single precision in a register: AVX2.
     EightSingle,
 }
@@ -35,13 +30,13 @@ pub enum Lanes {
 impl Lanes {
     /// Returns all lanes that this processor supports, narrow ones first.
     pub fn here() -> impl Iterator<Item = Self> {
-        let all = [Lanes::One, Lanes::Four, Lanes::Eight, Lanes::EightSingle];
+        let all = [Lanes::One, Lanes::Four, Lanes::EightSingle];
         all.into_iter().filter(|lanes| lanes.is_here())
     }
 
-    /// Returns the widest lanes of doubles that this processor supports.
+    /// Returns the most lanes of doubles that this processor supports.
     pub fn most() -> Self {
-        [Lanes::Eight, Lanes::Four].into_iter().find(|lanes| lanes.is_here()).unwrap_or(Lanes::One)
+        if Lanes::Four.is_here() { Lanes::Four } else { Lanes::One }
     }
 
     /// Returns the most lanes in single precision; doubles if the processor has no lanes.
@@ -55,8 +50,6 @@ impl Lanes {
             Lanes::One => true,
             #[cfg(target_arch = "x86_64")]
             Lanes::Four | Lanes::EightSingle => kernels::has_avx2(),
-            #[cfg(target_arch = "x86_64")]
-            Lanes::Eight => kernels::has_avx512(),
             #[cfg(not(target_arch = "x86_64"))]
             _ => false,
         }
@@ -67,7 +60,7 @@ impl Lanes {
         match self {
             Lanes::One => 1,
             Lanes::Four => 4,
-            Lanes::Eight | Lanes::EightSingle => 8,
+            Lanes::EightSingle => 8,
         }
     }
 
@@ -87,17 +80,19 @@ impl Lanes {
 
 /// Mechanisms of one topology, stepped together.
 pub struct Group<const B: usize, const Z: usize, const N: usize> {
-    kind: Kind<B, Z, N>,
+    /// Behind a pointer, so that a size's code is compiled only for the lanes of which such groups are made.
+    together: Box<dyn Together<B, Z>>,
 }
 
-enum Kind<const B: usize, const Z: usize, const N: usize> {
-    #[cfg(target_arch = "x86_64")]
-    Eight(Box<kernels::Lanes<avx512::F64x8, B, Z, N>>),
-    #[cfg(target_arch = "x86_64")]
-    Four(Box<kernels::Lanes<avx2::F64x4, B, Z, N>>),
-    #[cfg(target_arch = "x86_64")]
-    EightSingle(Box<kernels::Lanes<avx2_single::F32x8, B, Z, N>>),
-    OneByOne(Box<OneByOne<B, Z, N>>),
+/// What a group is in one kind of lanes. The functions are those of [`Group`].
+trait Together<const B: usize, const Z: usize>: Send {
+    fn lanes(&self) -> Lanes;
+    fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]);
+    fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]);
+    fn is_at_rest(&self) -> bool;
+    fn copy_motion(&self, index: usize, angles: &mut [f64; B], velocities: &mut [f64; B]);
+    fn copy_state(&self, index: usize, state: &mut State<f64, B, Z>);
+    fn state(&self, index: usize) -> State<f64, B, Z>;
 }
 
 struct OneByOne<const B: usize, const Z: usize, const N: usize> {
@@ -108,8 +103,11 @@ struct OneByOne<const B: usize, const Z: usize, const N: usize> {
     sleeps: Vec<Sleep<f64>>,
 }
 
-impl<const B: usize, const Z: usize, const N: usize> OneByOne<B, Z, N> {
-    #[inline(never)]
+impl<const B: usize, const Z: usize, const N: usize> Together<B, Z> for OneByOne<B, Z, N> {
+    fn lanes(&self) -> Lanes {
+        Lanes::One
+    }
+
     fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
         let OneByOne { models, states, settings, workspace, sleeps } = self;
         for (i, (model, state)) in models.iter().zip(states).enumerate() {
@@ -118,12 +116,27 @@ impl<const B: usize, const Z: usize, const N: usize> OneByOne<B, Z, N> {
         }
     }
 
-    #[inline(never)]
     fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
         let OneByOne { models, states, settings, workspace, sleeps } = self;
         for (i, (model, state)) in models.iter().zip(states).enumerate() {
             outcomes[i] = sleeps[i].step(model, settings, &inputs[i], state, workspace).outcome;
         }
+    }
+
+    fn is_at_rest(&self) -> bool {
+        self.sleeps.iter().all(Sleep::is_asleep)
+    }
+
+    fn copy_motion(&self, index: usize, angles: &mut [f64; B], velocities: &mut [f64; B]) {
+        (*angles, *velocities) = (self.states[index].angle, self.states[index].velocity);
+    }
+
+    fn copy_state(&self, index: usize, state: &mut State<f64, B, Z>) {
+        **state = *self.states[index];
+    }
+
+    fn state(&self, index: usize) -> State<f64, B, Z> {
+        self.states[index].clone()
     }
 }
 
@@ -141,15 +154,18 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
     ) -> Self {
         check(models, states, N);
         #[cfg(target_arch = "x86_64")]
-        let kind = match lanes {
-            Lanes::One => None,
-            Lanes::Four => kernels::four(models, states, settings).map(Kind::Four),
-            Lanes::Eight => kernels::eight(models, states, settings).map(Kind::Eight),
-            Lanes::EightSingle => kernels::eight_single(models, states, settings).map(Kind::EightSingle),
-        };
-        #[cfg(target_arch = "x86_64")]
-        if let Some(kind) = kind {
-            return Group { kind };
+        match lanes {
+            Lanes::One => {}
+            Lanes::Four => {
+                if let Some(together) = kernels::four::<B, Z, N>(models, states, settings) {
+                    return Group { together };
+                }
+            }
+            Lanes::EightSingle => {
+                if let Some(together) = kernels::eight_single::<B, Z, N>(models, states, settings) {
+                    return Group { together };
+                }
+            }
         }
         let _ = lanes;
         Group::one_by_one(models, states, settings)
@@ -164,29 +180,9 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         check(models, states, N);
         #[cfg(target_arch = "x86_64")]
         if models.len() == Lanes::Four.count()
-            && let Some(four) = kernels::four(models, states, settings)
+            && let Some(together) = kernels::four::<B, Z, N>(models, states, settings)
         {
-            return Group { kind: Kind::Four(four) };
-        }
-        Group::one_by_one(models, states, settings)
-    }
-
-    /// Eight at once in doubles, or one by one: no other lanes are compiled for a size of which only such groups are
-    /// made.
-    ///
-    /// # Panics
-    /// As [`Group::new`].
-    pub(crate) fn in_eights(
-        models: &[Model<f64, B, Z>],
-        states: &[State<f64, B, Z>],
-        settings: &Settings<f64>,
-    ) -> Self {
-        check(models, states, N);
-        #[cfg(target_arch = "x86_64")]
-        if models.len() == Lanes::Eight.count()
-            && let Some(eight) = kernels::eight(models, states, settings)
-        {
-            return Group { kind: Kind::Eight(eight) };
+            return Group { together };
         }
         Group::one_by_one(models, states, settings)
     }
@@ -204,9 +200,9 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         check(models, states, N);
         #[cfg(target_arch = "x86_64")]
         if models.len() == Lanes::EightSingle.count()
-            && let Some(eight) = kernels::eight_single(models, states, settings)
+            && let Some(together) = kernels::eight_single::<B, Z, N>(models, states, settings)
         {
-            return Group { kind: Kind::EightSingle(eight) };
+            return Group { together };
         }
         Group::one_by_one(models, states, settings)
     }
@@ -218,27 +214,19 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
         states: &[State<f64, B, Z>],
         settings: &Settings<f64>,
     ) -> Self {
-        let one_by_one = OneByOne {
+        let one_by_one: OneByOne<B, Z, N> = OneByOne {
             models: models.to_vec(),
             states: states.to_vec(),
             settings: *settings,
             workspace: Workspace::new(),
             sleeps: vec![Sleep::awake(); models.len()],
         };
-        Group { kind: Kind::OneByOne(Box::new(one_by_one)) }
+        Group { together: Box::new(one_by_one) }
     }
 
     /// Returns the lanes in which the mechanisms are stepped.
     pub fn lanes(&self) -> Lanes {
-        match self.kind {
-            #[cfg(target_arch = "x86_64")]
-            Kind::Eight(_) => Lanes::Eight,
-            #[cfg(target_arch = "x86_64")]
-            Kind::Four(_) => Lanes::Four,
-            #[cfg(target_arch = "x86_64")]
-            Kind::EightSingle(_) => Lanes::EightSingle,
-            Kind::OneByOne(_) => Lanes::One,
-        }
+        self.together.lanes()
     }
 
     /// Advances all mechanisms by one step, with an input for each, and writes their outcomes. If the inputs are of
@@ -247,15 +235,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
     /// # Panics
     /// Panics if there are fewer inputs or outcomes than mechanisms.
     pub fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
-        match &mut self.kind {
-            #[cfg(target_arch = "x86_64")]
-            Kind::Eight(eight) => eight.step(inputs, outcomes),
-            #[cfg(target_arch = "x86_64")]
-            Kind::Four(four) => four.step(inputs, outcomes),
-            #[cfg(target_arch = "x86_64")]
-            Kind::EightSingle(eight) => eight.step(inputs, outcomes),
-            Kind::OneByOne(one) => one.step(inputs, outcomes),
-        }
+        self.together.step(inputs, outcomes);
     }
 
     /// Advances all mechanisms as [`Group::step`] does, but skips steps that would change nothing; lanes are skipped
@@ -264,82 +244,34 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
     /// # Panics
     /// As [`Group::step`].
     pub fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
-        match &mut self.kind {
-            #[cfg(target_arch = "x86_64")]
-            Kind::Eight(eight) => eight.step_or_rest(inputs, outcomes),
-            #[cfg(target_arch = "x86_64")]
-            Kind::Four(four) => four.step_or_rest(inputs, outcomes),
-            #[cfg(target_arch = "x86_64")]
-            Kind::EightSingle(eight) => eight.step_or_rest(inputs, outcomes),
-            Kind::OneByOne(one) => one.step_or_rest(inputs, outcomes),
-        }
+        self.together.step_or_rest(inputs, outcomes);
     }
 
     /// Returns whether the last call of [`Group::step_or_rest`] changed nothing.
     pub fn is_at_rest(&self) -> bool {
-        match &self.kind {
-            #[cfg(target_arch = "x86_64")]
-            Kind::Eight(eight) => eight.is_at_rest(),
-            #[cfg(target_arch = "x86_64")]
-            Kind::Four(four) => four.is_at_rest(),
-            #[cfg(target_arch = "x86_64")]
-            Kind::EightSingle(eight) => eight.is_at_rest(),
-            Kind::OneByOne(one) => one.sleeps.iter().all(Sleep::is_asleep),
-        }
+        self.together.is_at_rest()
     }
 
     /// Returns one mechanism's absolute angles, rad, and angular velocities, rad/s.
-    #[inline]
     pub fn motion(&self, index: usize) -> ([f64; B], [f64; B]) {
-        match &self.kind {
-            #[cfg(target_arch = "x86_64")]
-            Kind::Eight(eight) => eight.motion(index),
-            #[cfg(target_arch = "x86_64")]
-            Kind::Four(four) => four.motion(index),
-            #[cfg(target_arch = "x86_64")]
-            Kind::EightSingle(eight) => eight.motion(index),
-            Kind::OneByOne(one) => (one.states[index].angle, one.states[index].velocity),
-        }
+        let (mut angles, mut velocities) = ([0.0; B], [0.0; B]);
+        self.copy_motion(index, &mut angles, &mut velocities);
+        (angles, velocities)
     }
 
     /// [`Group::motion`] into places that are there: what is looked at after every step of a study.
-    #[inline]
     pub(crate) fn copy_motion(&self, index: usize, angles: &mut [f64; B], velocities: &mut [f64; B]) {
-        match &self.kind {
-            #[cfg(target_arch = "x86_64")]
-            Kind::Eight(eight) => eight.copy_motion(index, angles, velocities),
-            #[cfg(target_arch = "x86_64")]
-            Kind::Four(four) => four.copy_motion(index, angles, velocities),
-            #[cfg(target_arch = "x86_64")]
-            Kind::EightSingle(eight) => eight.copy_motion(index, angles, velocities),
-            Kind::OneByOne(one) => (*angles, *velocities) = (one.states[index].angle, one.states[index].velocity),
-        }
+        self.together.copy_motion(index, angles, velocities);
     }
 
     /// One mechanism's state, into one that is there; what that knows of the zones' distances stays as it was.
     pub(crate) fn copy_state(&self, index: usize, state: &mut State<f64, B, Z>) {
-        match &self.kind {
-            #[cfg(target_arch = "x86_64")]
-            Kind::Eight(eight) => eight.copy_state(index, state),
-            #[cfg(target_arch = "x86_64")]
-            Kind::Four(four) => four.copy_state(index, state),
-            #[cfg(target_arch = "x86_64")]
-            Kind::EightSingle(eight) => eight.copy_state(index, state),
-            Kind::OneByOne(one) => **state = *one.states[index],
-        }
+        self.together.copy_state(index, state);
     }
 
     /// Returns one mechanism's state.
     pub fn state(&self, index: usize) -> State<f64, B, Z> {
-        match &self.kind {
-            #[cfg(target_arch = "x86_64")]
-            Kind::Eight(eight) => eight.state(index),
-            #[cfg(target_arch = "x86_64")]
-            Kind::Four(four) => four.state(index),
-            #[cfg(target_arch = "x86_64")]
-            Kind::EightSingle(eight) => eight.state(index),
-            Kind::OneByOne(one) => one.states[index].clone(),
-        }
+        self.together.state(index)
     }
 }
 

@@ -130,6 +130,13 @@ macro_rules! vector_number {
                 <[$lane; $width]>::from(self)[lane]
             }
             #[inline(always)]
+            fn lane_in(&self, lane: usize) -> $lane {
+                // SAFETY: both are the same number of bytes of plain numbers, and the register's place is aligned to
+                // more than a lane's.
+                let all = unsafe { &*core::ptr::from_ref(self).cast::<[$lane; $width]>() };
+                all[lane]
+            }
+            #[inline(always)]
             fn with_lane(self, lane: usize, x: $lane) -> Self {
                 let mut all = <[$lane; $width]>::from(self);
                 all[lane] = x;
@@ -291,79 +298,4 @@ macro_rules! mask_of_bits {
     };
 }
 
-/// Comparisons and choices of AVX-512: a bit per lane, in a register of its own kind.
-macro_rules! mask_register {
-    (
-        $mask:ident, $number:ident, $bits:ident,
-        compare: $compare:ident, blend: $blend:ident, keep: $keep:ident, abs: $abs:ident $(,)?
-    ) => {
-        #[derive(Debug, Clone, Copy)]
-        #[repr(transparent)]
-        pub(crate) struct $mask($bits);
-
-        #[inline(always)]
-        fn less(a: $number, b: $number) -> $mask {
-            $mask(simd!($compare::<_CMP_LT_OQ>(a.0, b.0)))
-        }
-
-        #[inline(always)]
-        fn at_most(a: $number, b: $number) -> $mask {
-            $mask(simd!($compare::<_CMP_LE_OQ>(a.0, b.0)))
-        }
-
-        #[inline(always)]
-        fn choose(mask: $mask, yes: $number, no: $number) -> $number {
-            $number(simd!($blend(mask.0, no.0, yes.0)))
-        }
-
-        #[inline(always)]
-        fn kept(mask: $mask, x: $number) -> $number {
-            $number(simd!($keep(mask.0, x.0)))
-        }
-
-        #[inline(always)]
-        fn magnitude(x: $number) -> $number {
-            $number(simd!($abs(x.0)))
-        }
-
-        #[inline(always)]
-        fn negated(x: $number) -> $number {
-            // Exact, signed zeros included; a bitwise operation on numbers would ask for more than the foundation
-            // instructions.
-            x * $number::constant(-1.0)
-        }
-
-        impl moreau::Mask for $mask {
-            #[inline(always)]
-            fn any(self) -> bool {
-                self.0 != 0
-            }
-            #[inline(always)]
-            fn all(self) -> bool {
-                self.0 == $bits::MAX
-            }
-            #[inline(always)]
-            fn and(self, other: Self) -> Self {
-                $mask(self.0 & other.0)
-            }
-            #[inline(always)]
-            fn or(self, other: Self) -> Self {
-                $mask(self.0 | other.0)
-            }
-            #[inline(always)]
-            fn not(self) -> Self {
-                $mask(!self.0)
-            }
-            #[inline(always)]
-            fn splat(value: bool) -> Self {
-                $mask(if value { $bits::MAX } else { 0 })
-            }
-            #[inline(always)]
-            fn lane(self, lane: usize) -> bool {
-                self.0 >> lane & 1 != 0
-            }
-        }
-    };
-}
-
-pub(crate) use {mask_of_bits, mask_register, operator, simd, vector_number};
+pub(crate) use {mask_of_bits, operator, simd, vector_number};

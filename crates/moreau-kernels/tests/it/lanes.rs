@@ -68,21 +68,20 @@ fn apart(a: &Group<2, 3, 4>, b: &Group<2, 3, 4>, count: usize) -> [f64; 2] {
     most
 }
 
-fn every_width(mut test: impl FnMut(Lanes)) {
-    for lanes in [Lanes::Four, Lanes::Eight] {
-        if !lanes.is_here() {
-            println!("{lanes:?}: not on this processor");
-            continue;
-        }
-        test(lanes);
+fn in_doubles(test: impl FnOnce(Lanes)) {
+    let lanes = Lanes::Four;
+    if !lanes.is_here() {
+        println!("{lanes:?}: not on this processor");
+        return;
     }
+    test(lanes);
 }
 
 /// From wherever the mechanisms are, a step in lanes is a step alone to rounding: velocities of a few rad/s, made of
 /// sums that cancel to a thousandth of their parts, agree to 1e-12.
 #[test]
 fn a_step_in_lanes_is_a_step_alone() {
-    every_width(|lanes| {
+    in_doubles(|lanes| {
         let (count, settings) = (lanes.count(), Settings::new(50e-6));
         let (models, mut alone) = (models(count), group(Lanes::One, count));
         let mut outcomes = [vec![Outcome::Converged; count], vec![Outcome::Converged; count]];
@@ -147,7 +146,7 @@ fn a_single_step_in_lanes_is_a_single_step_alone() {
 /// do from themselves when every push is changed by a few units in its last place.
 #[test]
 fn lanes_move_as_alone() {
-    every_width(|lanes| {
+    in_doubles(|lanes| {
         let count = lanes.count();
         let (mut together, mut alone, mut shaken) =
             (group(lanes, count), group(Lanes::One, count), group(Lanes::One, count));
@@ -205,6 +204,6 @@ fn a_lane_by_itself() {
 #[test]
 fn groups_that_do_not_fit_are_stepped_one_by_one() {
     assert_eq!(group(Lanes::Four, 3).lanes(), Lanes::One);
-    assert_eq!(group(Lanes::Eight, 9).lanes(), Lanes::One);
+    assert_eq!(group(Lanes::EightSingle, 9).lanes(), Lanes::One);
     assert!(group(Lanes::most(), Lanes::most().count()).lanes() == Lanes::most());
 }
