@@ -94,6 +94,10 @@ pub struct StepReport {
 /// onset.
 const DAMPED_AFTER: u32 = 8;
 
+/// Bodies of the largest mechanism that is stepped often, a piano's action. For larger ones an iteration is compiled
+/// once ([`Real::FIRST_APART`]).
+const PIANO: usize = 9;
+
 /// Advances `state` by one step h. Never allocates and never panics; the number of iterations is bounded.
 ///
 /// `input` acts during the step; [`Input`] states at which instant each of its numbers holds. `N` must be at least
@@ -173,7 +177,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
         recall_memories(model, state, workspace);
     }
     let mut done = no;
-    let next = if const { !T::FIRST_APART } {
+    let next = if const { !T::FIRST_APART || B > PIANO } {
         iterate_to_the_end(model, settings, input, state, workspace, &w0, &mut w, &mut done, &mut report, 0)
     } else {
         // The compiler hoists loop-invariant loads out of a loop and spills them to the stack. This loop usually runs
