@@ -2,10 +2,9 @@
 
 use std::f64::consts::PI;
 
+use erard::recording::Fourier;
 use erard_figures::Picture;
 use erard_figures::figure::Spectrogram;
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
 
 /// Samples under one window; 85 ms at 48 kHz, so that partials of the lowest notes stand apart.
 const WINDOW: usize = 4096;
@@ -21,19 +20,18 @@ const RANGE_DB: f64 = 90.0;
 /// strong there as later.
 fn levels(samples: &[f64], rate_hz: f64) -> Vec<Vec<f64>> {
     let columns = samples.len().clamp(1, COLUMNS);
-    let fft = FftPlanner::new().plan_fft_forward(WINDOW);
+    let transform = Fourier::of(WINDOW);
     let weight = |i: usize| 0.5 - 0.5 * (2.0 * PI * i as f64 / WINDOW as f64).cos();
     let bins = (HIGHEST_HZ / rate_hz * WINDOW as f64) as usize;
     let column = |index: usize| -> Vec<f64> {
         let middle = (2 * index + 1) * samples.len() / (2 * columns);
         // Before the sound and after it there is silence.
         let at = |i: usize| (middle + i).checked_sub(WINDOW / 2).and_then(|i| samples.get(i)).copied().unwrap_or(0.0);
-        let mut spectrum: Vec<Complex<f64>> = (0..WINDOW).map(|i| Complex::new(weight(i) * at(i), 0.0)).collect();
-        fft.process(&mut spectrum);
+        let squares = transform.squares((0..WINDOW).map(|i| weight(i) * at(i)));
         (0..ROWS)
             .map(|row| {
                 let (low, high) = (row * bins / ROWS, ((row + 1) * bins / ROWS).max(row * bins / ROWS + 1));
-                spectrum[low..high].iter().map(|z| z.norm_sqr()).fold(0.0, f64::max)
+                squares[low..high].iter().copied().fold(0.0, f64::max)
             })
             .collect()
     };

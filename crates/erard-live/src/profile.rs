@@ -75,10 +75,8 @@ impl Profile {
     /// # Errors
     /// [`ProfileFault`].
     pub fn parse(text: &str) -> Result<Self, ProfileFault> {
-        let file: File = from_toml(text).map_err(|error| ProfileFault::Toml {
-            line: error.span.map_or(1, |span| text[..span.start.min(text.len())].lines().count().max(1)),
-            what: error.message,
-        })?;
+        let file: File =
+            from_toml(text).map_err(|error| ProfileFault::Toml { line: error.line(text), what: error.message })?;
         let wrong = |key: &str, found: String, expected| ProfileFault::Value { key: key.to_owned(), found, expected };
         if file.format != FORMAT {
             return Err(wrong("format", format!("\"{}\"", file.format), "\"erard-sensors/1\""));

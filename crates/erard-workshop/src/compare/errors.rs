@@ -1,7 +1,6 @@
 //! Error measures of a simulated series against a measured one.
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use erard::recording::Fourier;
 
 use super::RATE_HZ;
 
@@ -132,20 +131,16 @@ fn delay(measured: &[f64], simulated: &[f64]) -> f64 {
 /// the mean square.
 pub(super) fn bands(measured: &[f64], simulated: &[f64]) -> Vec<Band> {
     let difference: Vec<f64> = simulated.iter().zip(measured).map(|(s, m)| s - m).collect();
-    let spectrum = |x: &[f64]| {
-        let mut z: Vec<Complex<f64>> = x.iter().map(|&x| Complex::new(x, 0.0)).collect();
-        FftPlanner::new().plan_fft_forward(z.len()).process(&mut z);
-        z
-    };
-    let (m, d) = (spectrum(measured), spectrum(&difference));
+    let squares = |x: &[f64]| Fourier::of(x.len()).squares(x.iter().copied());
+    let (m, d) = (squares(measured), squares(&difference));
     let n = measured.len();
-    let power = |z: &[Complex<f64>], from: f64, to: f64| {
+    let power = |squares: &[f64], from: f64, to: f64| {
         let mut sum = 0.0;
-        for (k, z) in z.iter().enumerate().take(n / 2 + 1) {
+        for (k, square) in squares.iter().enumerate().take(n / 2 + 1) {
             let f = k as f64 * RATE_HZ / n as f64;
             if f >= from && f < to {
                 let twice = if k == 0 || 2 * k == n { 1.0 } else { 2.0 };
-                sum += twice * z.norm_sqr();
+                sum += twice * square;
             }
         }
         sum.sqrt() / n as f64

@@ -2,6 +2,7 @@
 
 use std::sync::LazyLock;
 
+use erard::instrument::from_toml::from_toml;
 use serde::Deserialize;
 
 use crate::regulate::{KnownScrew, known_screw};
@@ -82,7 +83,7 @@ struct Table {
 }
 
 static CAUSES: LazyLock<Vec<Cause>> = LazyLock::new(|| {
-    let table: Table = toml::from_str(include_str!("causes.toml")).expect("the built-in causes read");
+    let table: Table = from_toml(include_str!("causes.toml")).expect("the built-in causes read");
     assert_eq!(table.format, "erard-causes/1");
     table.cause
 });

@@ -9,6 +9,7 @@ use super::entries::{Flag, Sheet};
 use super::usual::{UsualRange, usual};
 use crate::digits::plain;
 use erard::instrument::Instrument;
+use erard::instrument::from_toml::from_toml;
 use erard::keyboard::note_name;
 
 /// Key of the norms of an instrument that does not know its key: middle C.
@@ -124,7 +125,7 @@ struct Norms {
 /// Lines of the sheet by group, in the order in which they are printed, from `norms.toml`.
 pub static GROUPS: LazyLock<Vec<Group>> = LazyLock::new(|| {
     let text = include_str!("norms.toml");
-    let mut groups = toml::from_str::<Norms>(text).expect("the built-in lines read").group;
+    let mut groups = from_toml::<Norms>(text).expect("the built-in lines read").group;
     for line in groups.iter_mut().flat_map(|group| &mut group.lines) {
         line.value = VALUES.iter().find(|(key, _)| *key == line.key).map_or(no_value(), |(_, value)| *value);
     }

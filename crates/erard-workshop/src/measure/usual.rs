@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use erard::instrument::from_toml::from_toml;
 use serde::Deserialize;
 
 /// The built-in table.
@@ -65,7 +66,7 @@ pub fn check(text: &str) -> Result<usize, String> {
 }
 
 fn parse(text: &str) -> Result<BTreeMap<String, UsualRange>, String> {
-    let table: Table = toml::from_str(text).map_err(|error| error.to_string())?;
+    let table: Table = from_toml(text).map_err(|error| error.in_line(text))?;
     if table.format != FORMAT {
         return Err(format!("`format` is `{}`; expected `{FORMAT}`", table.format));
     }

@@ -8,6 +8,7 @@ use thiserror::Error;
 use super::{Verdict, values};
 use crate::measure::norms::MIDDLE_C;
 use crate::measure::usual::usual;
+use erard::instrument::from_toml::from_toml;
 use erard::instrument::{Certainty, Source};
 
 /// The built-in table.
@@ -122,7 +123,7 @@ impl Published {
     /// # Errors
     /// See [`PublishedError`].
     pub fn parse(text: &str) -> Result<Self, PublishedError> {
-        let mut table: Published = toml::from_str(text).map_err(|error| PublishedError::Syntax(error.to_string()))?;
+        let mut table: Published = from_toml(text).map_err(|error| PublishedError::Syntax(error.in_line(text)))?;
         if table.format != FORMAT {
             return Err(PublishedError::Syntax(format!("`format` is `{}`; expected `{FORMAT}`", table.format)));
         }

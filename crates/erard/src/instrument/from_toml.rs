@@ -32,6 +32,18 @@ pub struct TomlError {
 }
 
 impl TomlError {
+    /// Returns the message with the number of its line in the text.
+    #[must_use]
+    pub fn in_line(&self, text: &str) -> String {
+        format!("line {}: {}", self.line(text), self.message)
+    }
+
+    /// Returns the line of the text, from 1; 1 if the place is unknown.
+    #[must_use]
+    pub fn line(&self, text: &str) -> usize {
+        self.span.as_ref().map_or(1, |span| text[..span.start.min(text.len())].lines().count().max(1))
+    }
+
     /// Sets the place, unless it is known already.
     fn within(mut self, span: &Range<usize>) -> Self {
         self.span.get_or_insert_with(|| span.clone());
@@ -181,36 +193,62 @@ impl<'a> Node<'a> {
         }
     }
 
-    fn visit<V: Visitor<'a>>(&self, visitor: V) -> Result<V::Value, TomlError> {
+    /// What this node is. Not generic, so that it is compiled once and not for every type of a file.
+    fn seen(&self) -> Result<Seen<'a>, TomlError> {
         if let Some((table, replaced)) = self.table() {
-            return visitor.visit_map(Pairs::table(table, replaced));
+            return Ok(Seen::Pairs(Pairs::table(table, replaced)));
         }
-        match self {
-            Node::Text(text) => visitor.visit_borrowed_str(text),
-            Node::Place(place) => visitor.visit_u64(*place as u64),
-            Node::Table(..) => visitor.visit_unit(),
+        Ok(match self {
+            Node::Text(text) => Seen::Text(text),
+            Node::Place(place) => Seen::Place(*place as u64),
+            Node::Table(table, _, replaced) => Seen::Pairs(Pairs::table(table, replaced)),
             Node::Value(value, replaced) => match value.get_ref() {
                 DeValue::Integer(_) | DeValue::Float(_) if replaced.numbers.contains_key(&place(value)) => {
-                    visitor.visit_f64(replaced.numbers[&place(value)])
+                    Seen::Float(replaced.numbers[&place(value)])
                 }
-                DeValue::String(text) => visitor.visit_borrowed_str(text),
-                DeValue::Integer(number) => visit_integer(number, visitor),
-                DeValue::Float(number) => visitor.visit_f64(float(number)?),
-                DeValue::Boolean(value) => visitor.visit_bool(*value),
-                DeValue::Array(items) => visitor.visit_seq(Items(items.iter(), replaced)),
-                DeValue::Table(table) => visitor.visit_map(Pairs::table(table, replaced)),
-                DeValue::Datetime(_) => visitor.visit_map(Pairs::date()),
+                DeValue::String(text) => Seen::Text(text),
+                DeValue::Integer(number) => integer(number)?,
+                DeValue::Float(number) => Seen::Float(float(number)?),
+                DeValue::Boolean(value) => Seen::Boolean(*value),
+                DeValue::Array(items) => Seen::Items(Items(items.iter(), replaced)),
+                DeValue::Table(table) => Seen::Pairs(Pairs::table(table, replaced)),
+                DeValue::Datetime(_) => Seen::Pairs(Pairs::date()),
             },
+        })
+    }
+
+    fn visit<V: Visitor<'a>>(&self, visitor: V) -> Result<V::Value, TomlError> {
+        match self.seen()? {
+            Seen::Text(text) => visitor.visit_borrowed_str(text),
+            Seen::Place(place) => visitor.visit_u64(place),
+            Seen::Float(number) => visitor.visit_f64(number),
+            Seen::Integer(number) => visitor.visit_i64(number),
+            Seen::Long(number) => visitor.visit_i128(number),
+            Seen::Boolean(value) => visitor.visit_bool(value),
+            Seen::Items(items) => visitor.visit_seq(items),
+            Seen::Pairs(pairs) => visitor.visit_map(pairs),
         }
     }
 }
 
-fn visit_integer<'a, V: Visitor<'a>>(number: &DeInteger<'_>, visitor: V) -> Result<V::Value, TomlError> {
+/// What a node is to `serde`.
+enum Seen<'a> {
+    Text(&'a str),
+    Place(u64),
+    Float(f64),
+    Integer(i64),
+    Long(i128),
+    Boolean(bool),
+    Items(Items<'a>),
+    Pairs(Pairs<'a>),
+}
+
+fn integer<'a>(number: &DeInteger<'_>) -> Result<Seen<'a>, TomlError> {
     let (digits, radix) = (number.as_str(), number.radix());
     match i64::from_str_radix(digits, radix) {
-        Ok(number) => visitor.visit_i64(number),
+        Ok(number) => Ok(Seen::Integer(number)),
         Err(_) => match i128::from_str_radix(digits, radix) {
-            Ok(number) => visitor.visit_i128(number),
+            Ok(number) => Ok(Seen::Long(number)),
             Err(_) => Err(TomlError::custom("integer number overflowed")),
         },
     }
@@ -286,13 +324,19 @@ impl<'a> Deserializer<'a> for Node<'a> {
 /// Elements of a list.
 struct Items<'a>(std::slice::Iter<'a, Spanned<DeValue<'a>>>, &'a Replaced);
 
+impl<'a> Items<'a> {
+    fn next_item(&mut self) -> Option<Node<'a>> {
+        let Items(items, replaced) = self;
+        let next = items.find(|item| !replaced.removed.contains(&place(item)));
+        next.map(|item| Node::Value(item, replaced))
+    }
+}
+
 impl<'a> SeqAccess<'a> for Items<'a> {
     type Error = TomlError;
 
     fn next_element_seed<T: DeserializeSeed<'a>>(&mut self, seed: T) -> Result<Option<T::Value>, TomlError> {
-        let Items(items, replaced) = self;
-        let next = items.find(|item| !replaced.removed.contains(&place(item)));
-        next.map(|item| seed.deserialize(Node::Value(item, replaced))).transpose()
+        self.next_item().map(|item| seed.deserialize(item)).transpose()
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -327,27 +371,33 @@ impl<'a> Pairs<'a> {
         let more = std::array::from_fn(|k| fields.get(k).copied().zip(values[k].take()));
         Pairs { table: None, more, value: None }
     }
+
+    /// The next key and its place, if it has one; its value waits.
+    fn next_key(&mut self) -> Option<(&'a str, Option<Range<usize>>)> {
+        let next = self.table.as_mut().and_then(|(pairs, replaced)| {
+            let (key, value) = pairs.find(|(_, value)| !replaced.removed.contains(&place(value)))?;
+            Some((key, Node::Value(value, replaced)))
+        });
+        if let Some((key, value)) = next {
+            self.value = Some(value);
+            return Some((key.get_ref().as_ref(), Some(key.span())));
+        }
+        let (key, value) = self.more.iter_mut().find_map(Option::take)?;
+        self.value = Some(value);
+        Some((key, None))
+    }
 }
 
 impl<'a> MapAccess<'a> for Pairs<'a> {
     type Error = TomlError;
 
     fn next_key_seed<K: DeserializeSeed<'a>>(&mut self, seed: K) -> Result<Option<K::Value>, TomlError> {
-        let next = self.table.as_mut().and_then(|(pairs, replaced)| {
-            let (key, value) = pairs.find(|(_, value)| !replaced.removed.contains(&place(value)))?;
-            Some((key, Node::Value(value, replaced)))
-        });
-        let (key, span) = if let Some((key, value)) = next {
-            self.value = Some(value);
-            (key.get_ref().as_ref(), Some(key.span()))
-        } else if let Some((key, value)) = self.more.iter_mut().find_map(Option::take) {
-            self.value = Some(value);
-            (key, None)
-        } else {
-            return Ok(None);
-        };
+        let Some((key, span)) = self.next_key() else { return Ok(None) };
         let found = seed.deserialize(Node::Text(key));
-        found.map(Some).map_err(|error| span.map_or(error.clone(), |span| error.within(&span)))
+        found.map(Some).map_err(|error| match span {
+            Some(span) => error.within(&span),
+            None => error,
+        })
     }
 
     fn next_value_seed<V: DeserializeSeed<'a>>(&mut self, seed: V) -> Result<V::Value, TomlError> {

@@ -6,11 +6,13 @@
 //! changing it.
 
 mod butterworth;
+mod fourier;
 mod noise;
 mod report;
 mod rest;
 
 pub use butterworth::{Butterworth, ORDERS};
+pub use fourier::Fourier;
 pub use noise::{Noise, Whence};
 pub use report::{ChannelReport, Filtered, Report, Zero};
 

@@ -1,7 +1,6 @@
 //! Noise of a series, and the frequency up to which its signal is above the noise.
 
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex;
+use super::fourier::Fourier;
 use std::f64::consts::{LN_2, TAU};
 
 /// Where the noise was estimated.
@@ -52,17 +51,15 @@ impl Spectrum {
         let window: Vec<f64> =
             (0..length).map(|n| 0.5 - 0.5 * (TAU * (n as f64 + 0.5) / length as f64).cos()).collect();
         let scale = 2.0 / (rate_hz * window.iter().map(|w| w * w).sum::<f64>());
-        let transform = FftPlanner::new().plan_fft_forward(length);
+        let transform = Fourier::of(length);
         let mut power = vec![0.0; length / 2 + 1];
         let mut pieces = 0.0;
         for from in (0..=x.len() - length).step_by((length / 2).max(1)) {
             let piece = &x[from..from + length];
             let mean = piece.iter().sum::<f64>() / length as f64;
-            let mut z: Vec<Complex<f64>> =
-                piece.iter().zip(&window).map(|(x, w)| Complex::new((x - mean) * w, 0.0)).collect();
-            transform.process(&mut z);
-            for (power, z) in power.iter_mut().zip(&z) {
-                *power += scale * z.norm_sqr();
+            let squares = transform.squares(piece.iter().zip(&window).map(|(x, w)| (x - mean) * w));
+            for (power, square) in power.iter_mut().zip(squares) {
+                *power += scale * square;
             }
             pieces += 1.0;
         }

@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use erard::instrument::Vec2;
+use erard::instrument::from_toml::from_toml;
 use serde::Deserialize;
 
 use super::parts::Component;
@@ -65,7 +66,7 @@ struct File {
 /// The drawing in painter's order: later entries cover earlier ones.
 pub(super) fn drawing() -> &'static [Entry] {
     static DRAWING: LazyLock<Vec<Entry>> = LazyLock::new(|| {
-        let file: File = toml::from_str(include_str!("../../../assets/grand-outlines.toml")).expect("it is built in");
+        let file: File = from_toml(include_str!("../../../assets/grand-outlines.toml")).expect("it is built in");
         file.outline
     });
     &DRAWING
