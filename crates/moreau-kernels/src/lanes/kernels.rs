@@ -39,8 +39,8 @@ pub(crate) struct Lanes<T: Real, const B: usize, const Z: usize, const N: usize>
 }
 
 impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> {
-    /// Its parts are written where they stay: eight doubles of eight bodies are half a megabyte, which the stack of a
-    /// thread holds once or twice.
+    /// Its parts are written where they stay: lanes of a large mechanism are hundreds of kilobytes, which a thread's
+    /// stack holds a few times.
     fn new(
         kind: super::Lanes,
         kernel: Kernel<T, B, Z, N>,
