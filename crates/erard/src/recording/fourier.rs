@@ -4,7 +4,7 @@ use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 use std::sync::Arc;
 
-/// Fourier transform of real series of one length.
+/// Fourier transform of real series that have the same number of values.
 pub struct Fourier {
     transform: Arc<dyn Fft<f64>>,
 }
