@@ -250,6 +250,10 @@ fn damaged_tables_are_refused() {
     ] {
         assert!(parse(row, kind).unwrap_err().contains(what), "{kind}");
     }
+    let unknown = Published::parse("format = \"x\"\nzzz = 1");
+    assert!(
+        matches!(unknown, Err(PublishedError::Syntax(message)) if message.starts_with("line 2: unknown field `zzz`"))
+    );
     let other = Published::parse("format = \"x\"\nrow = []\n[sources]\n[groups]");
     assert!(matches!(other, Err(PublishedError::Syntax(message)) if message.contains("erard-published/2")));
 }

@@ -41,7 +41,7 @@ impl TomlError {
     /// Returns the line of the text, from 1; 1 if the place is unknown.
     #[must_use]
     pub fn line(&self, text: &str) -> usize {
-        self.span.as_ref().map_or(1, |span| text[..span.start.min(text.len())].lines().count().max(1))
+        self.span.as_ref().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1)
     }
 
     /// Sets the place, unless it is known already.
