@@ -48,7 +48,8 @@ impl<T: CallerStruct> Place<T> {
         if at.is_null() {
             return Ok(None);
         }
-        // SAFETY: `at` is not NULL; it is aligned and begins with an initialised size, by the contract of this function.
+        // SAFETY: `at` is not NULL; it is aligned and begins with an initialised size, by the contract of this
+        // function.
         let bytes = unsafe { stated_bytes(at) }?;
         Ok(Some(Place { at, bytes }))
     }
