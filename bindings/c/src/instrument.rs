@@ -299,7 +299,7 @@ pub unsafe extern "C" fn erard_file_check(
                 keyboard.instruments()?;
                 Ok(keyboard.name)
             } else {
-                InstrumentFile::parse(text, "file").map(|file| file.instrument.name)
+                InstrumentFile::parse(text, "file").map(|file| file.instrument.name.clone())
             }
         });
         let (name, errors) = match &read {

@@ -137,11 +137,6 @@ fn play_strokes(
     Ok(faults.into_iter().map(outcome).collect())
 }
 
-/// Returns the instrument without outlines, which only drawings need.
-fn plain(instrument: &Inner) -> Inner {
-    Inner { parts: Vec::new(), ..instrument.clone() }
-}
-
 /// Number of strokes that are prepared between two checks for signals.
 const BETWEEN_SIGNALS: usize = 256;
 
@@ -179,7 +174,7 @@ pub(crate) fn rollout<'py>(
             InnerStroke::recorded(String::new(), series, position_of, Some(drive)).map_err(fault::wrong)?;
         strokes.push(stroke);
     }
-    let instruments: Vec<Inner> = instruments.iter().map(|one| plain(&one.get().inner)).collect();
+    let instruments: Vec<Inner> = instruments.iter().map(|one| one.get().inner.without_outlines()).collect();
     let Some(reference) = instruments.first() else {
         return Err(wrong_argument("instruments", "found none, expected one or more"));
     };

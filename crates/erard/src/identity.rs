@@ -17,7 +17,8 @@
 //! lowest byte on.
 
 use crate::instrument::{
-    Body, BridgeMode, Curve, DamperFelt, Dwell, Felt, Finger, Instrument, PianoString, Roles, Spring, Vec2, Zone,
+    Body, BridgeMode, Curve, DamperFelt, Dwell, Felt, Finger, Instrument, InstrumentFields, PianoString, Roles, Spring,
+    Vec2, Zone,
 };
 use crate::saved::{FNV1A, fnv1a};
 
@@ -126,7 +127,7 @@ impl List<'_> {
     }
 
     fn instrument(&mut self) {
-        let Instrument {
+        let InstrumentFields {
             name: _,
             gravity_m_s2,
             bodies,
@@ -139,7 +140,7 @@ impl List<'_> {
             screws: _,
             parts: _,
             origin: _,
-        } = self.instrument;
+        } = &**self.instrument;
         self.number("gravity_m_s2", *gravity_m_s2);
         self.within("body", |list| bodies.iter().for_each(|body| list.within(&body.name, |list| list.of_body(body))));
         self.within("spring", |list| {

@@ -13,7 +13,7 @@
 use moreau::{Settings, gauss_jordan_pivoting};
 use thiserror::Error;
 
-use crate::instrument::{Body, Instrument, MAX_BODIES, Part, Roles, Screw, Spring, Zone};
+use crate::instrument::{Body, Instrument, InstrumentFields, MAX_BODIES, Part, Roles, Screw, Spring, Zone};
 use crate::player::equilibrium;
 use crate::player::{Action, ActionError};
 
@@ -98,7 +98,7 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
     };
     let stops: Vec<Zone> = full.roles.stops.iter().map(|&z| one_body_zone(&full.zones[z], key)).collect();
     let place = |zone: Option<usize>| zone.and_then(|z| full.roles.stops.iter().position(|&s| s == z));
-    let instrument = Instrument {
+    let fields = InstrumentFields {
         name: format!("{} (one degree of freedom)", full.name),
         gravity_m_s2: full.gravity_m_s2,
         bodies: vec![body],
@@ -123,6 +123,7 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
             .collect(),
         origin: full.origin,
     };
+    let instrument = Instrument { fields };
     Ok(OneDof { instrument, ratios, inertia_kg_m2: inertia, moment_n_m: moment })
 }
 

@@ -72,9 +72,13 @@ fn bending(bodies: usize) -> Instrument {
 /// do not converge.)
 fn with_dry_felts(slip: f64) -> Instrument {
     let mut instrument = instrument();
-    for zone in &mut instrument.zones {
-        zone.felt.loss = moreau::Elastoplastic { damping: 0.0, eta: 0.3, slip }.into();
-    }
+    instrument
+        .edit(|fields| {
+            for zone in &mut fields.zones {
+                zone.felt.loss = moreau::Elastoplastic { damping: 0.0, eta: 0.3, slip }.into();
+            }
+        })
+        .unwrap();
     instrument
 }
 

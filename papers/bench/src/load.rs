@@ -51,11 +51,15 @@ impl Load {
             let mut varied = instrument();
             let x = i as f64 / (count - 1) as f64 - 0.5;
             if let Some(hammer) = varied.roles.hammer {
-                varied.bodies[hammer].mass_kg *= 1.0 + 0.4 * x;
-                varied.bodies[hammer].inertia_kg_m2 *= 1.0 + 0.4 * x;
+                varied
+                    .edit(|fields| {
+                        fields.bodies[hammer].mass_kg *= 1.0 + 0.4 * x;
+                        fields.bodies[hammer].inertia_kg_m2 *= 1.0 + 0.4 * x;
+                    })
+                    .expect("numbers alone");
             }
             for knuckle in varied.roles.knuckle.clone() {
-                varied.zones[knuckle].felt.stiffness *= 1.0 - x;
+                varied.edit(|fields| fields.zones[knuckle].felt.stiffness *= 1.0 - x).expect("numbers alone");
             }
             described(&varied).expect("a varied grand comes to rest")
         };

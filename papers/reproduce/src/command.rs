@@ -103,6 +103,7 @@ fn failure(error: ReproduceError) -> Failure {
         ReproduceError::Compare(error) => error.into(),
         ReproduceError::OneDof(error) => error.into(),
         ReproduceError::Levers(error) => Failure::Usage(error.to_string()),
+        ReproduceError::Invalid(error) => Failure::Usage(error.to_string()),
         ReproduceError::Instrument(text) => Failure::Usage(text),
     }
 }

@@ -145,7 +145,10 @@ const LOOKED_S: [f64; 2] = [0.4, 0.9];
 /// coupling at all.
 pub fn play(instrument: &Instrument, device: &Device, coupling: [f64; 2], finger: Finger, rigid: bool) -> Outcome {
     let mut own = instrument.clone();
-    [own.finger.stiffness_n_per_m, own.finger.damping_n_s_per_m] = coupling;
+    let couple = |fields: &mut erard::instrument::InstrumentFields| {
+        [fields.finger.stiffness_n_per_m, fields.finger.damping_n_s_per_m] = coupling;
+    };
+    own.edit(couple).expect("numbers alone");
     let mut action = Action::with(&own, Settings::new(STEP_S)).expect("it comes to rest");
     let sub_steps = (device.period_s / STEP_S).round() as usize;
     let fine = (device.period_s / FINE_S).round() as usize;

@@ -45,7 +45,7 @@ fn all() -> Vec<BuiltIn> {
         text.map(|text| BuiltIn { kind, name: name.to_owned(), title, text })
     };
     let instruments = Instrument::builtin_names().filter_map(|name| {
-        entry("instrument", name, Instrument::builtin(name).ok()?.name, Instrument::builtin_text(name))
+        entry("instrument", name, Instrument::builtin(name).ok()?.name.clone(), Instrument::builtin_text(name))
     });
     let keyboards = Keyboard::builtin_names()
         .filter_map(|name| entry("keyboard", name, Keyboard::builtin(name).ok()?.name, Keyboard::builtin_text(name)));

@@ -330,11 +330,9 @@ impl Study {
                 )));
             }
             let keyboard = load_keyboard(session, asked.base())?;
-            let instrument = self.instrument.reduced(keyboard.key(keyboard.base_key)?)?;
-            return Ok((
-                Instrument { name: keyboard.name.clone(), ..instrument },
-                Source::Keyboard(Box::new(keyboard), None),
-            ));
+            let mut instrument = self.instrument.reduced(keyboard.key(keyboard.base_key)?)?;
+            instrument.rename(&keyboard.name);
+            return Ok((instrument, Source::Keyboard(Box::new(keyboard), None)));
         }
         let gradings = varies(&|name| name.starts_with(GRADING));
         if gradings && asked.sample().is_some() {

@@ -166,7 +166,7 @@ fn force_replaces_an_old_output() {
     folder.file("other.json", "a report");
     assert!(folder.bad(&["--dip", "9.8", "--out", "other.toml"]).contains("other.json: exists"));
     folder.good(&["--dip", "9.8", "--out", "out.toml", "--force"]);
-    let name = Instrument::load(&folder.0.join("out.toml")).unwrap().name;
+    let name = Instrument::load(&folder.0.join("out.toml")).unwrap().name.clone();
     assert_eq!(name, "Concert grand, C4");
 }
 

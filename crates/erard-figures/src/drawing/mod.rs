@@ -269,6 +269,7 @@ pub(crate) fn view(instrument: &Instrument, pieces: &[Piece], placed: &[Placemen
 #[cfg(test)]
 mod tests {
     use super::*;
+    use erard::instrument::{InstrumentFields, Roles};
 
     #[test]
     fn names_from_files_are_escaped() {
@@ -292,8 +293,15 @@ mod tests {
     fn nothing_to_draw_is_still_a_picture() {
         let mut instrument = fixture::two_levers();
         assert!(pose_picture(&instrument, &[], &PoseOptions::default()).svg().contains("made up"));
-        instrument.bodies.clear();
-        instrument.zones.clear();
+        let bare = InstrumentFields {
+            bodies: Vec::new(),
+            springs: Vec::new(),
+            zones: Vec::new(),
+            roles: Roles::default(),
+            parts: Vec::new(),
+            ..(*instrument).clone()
+        };
+        instrument = Instrument::new(bare).unwrap();
         assert!(!pose_picture(&instrument, &[], &PoseOptions::default()).svg().contains("inf"));
     }
 }

@@ -1,7 +1,7 @@
 //! A mechanism that is no piano, for tests: a lever on the ground carrying a smaller one over a felt.
 
 use erard::Impact;
-use erard::instrument::{Body, Curve, Felt, Finger, Instrument, Material, Origin, Part, Roles, Zone};
+use erard::instrument::{Body, Curve, Felt, Finger, Instrument, InstrumentFields, Material, Origin, Part, Roles, Zone};
 use erard::player;
 use erard::run::{BodySeries, Run};
 use erard::run::{Setup, simulate};
@@ -26,7 +26,7 @@ fn body(name: &str, parent: Option<usize>, pivot_m: [f64; 2]) -> Body {
 
 /// Two levers, one zone, no parts.
 pub(crate) fn two_levers() -> Instrument {
-    Instrument {
+    let fields = InstrumentFields {
         name: "Two levers".into(),
         gravity_m_s2: 9.81,
         bodies: vec![body("long", None, [0.01, 0.02]), body("short", Some(0), [0.1, 0.0])],
@@ -50,20 +50,22 @@ pub(crate) fn two_levers() -> Instrument {
         screws: vec![],
         parts: vec![],
         origin: Origin::default(),
-    }
+    };
+    Instrument::new(fields).expect("its indices are in range")
 }
 
 /// The same with a drawn part that has a name meant to break out of the document.
 pub(crate) fn two_levers_drawn() -> Instrument {
     let mut instrument = two_levers();
-    instrument.name = "Two <levers> & \"more\" </script>".into();
-    instrument.parts = vec![Part {
+    instrument.rename("Two <levers> & \"more\" </script>");
+    let part = Part {
         name: "stick </script><b>".into(),
         body: Some(0),
         material: Material::Wood,
         outline_m: vec![[0.0, -0.005], [0.1, -0.005], [0.1, 0.005], [0.0, 0.005]],
         smooth: false,
-    }];
+    };
+    instrument.edit(|fields| fields.parts = vec![part]).expect("its body is there");
     instrument
 }
 

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use erard::instrument::{Curve, Instrument};
+use erard::instrument::{Curve, Instrument, InstrumentFields};
 use erard_kinematics::three_lever::{Levers, Move, Regulation, ThreeLever};
 use erard_kinematics::{Derived, LinkageFile, derive, json_schema, slow_press};
 
@@ -111,9 +111,13 @@ fn agrees_with_a_slow_press() {
 #[test]
 fn a_changed_instrument_changes_both() {
     let mut changed = grand();
-    for zone in changed.zones.iter_mut().filter(|zone| zone.name.ends_with("_knuckle")) {
-        zone.disc_center_m[0] -= 0.002;
-    }
+    changed
+        .edit(|fields| {
+            for zone in fields.zones.iter_mut().filter(|zone| zone.name.ends_with("_knuckle")) {
+                zone.disc_center_m[0] -= 0.002;
+            }
+        })
+        .unwrap();
     let derived = derive(&changed).expect("three levers");
     let train = derived.levers.assemble().unwrap();
     let moved = self::derived().levers.moved(&[Move::Knuckle(-0.002)], Regulation::AsMoved).unwrap();
@@ -135,9 +139,9 @@ fn a_changed_instrument_changes_both() {
 /// What is not three levers is named.
 #[test]
 fn what_lacks_three_levers_says_so() {
-    let told = |change: fn(&mut Instrument)| {
+    let told = |change: fn(&mut InstrumentFields)| {
         let mut instrument = grand();
-        change(&mut instrument);
+        instrument.edit(change).unwrap();
         derive(&instrument).expect_err("no three levers").to_string()
     };
     assert!(told(|i| i.roles.key = None).contains("names no key"));
@@ -157,9 +161,9 @@ fn what_lacks_three_levers_says_so() {
 #[test]
 fn let_off_without_a_button() {
     let mut grand = grand();
-    grand.roles.let_off = None;
+    grand.edit(|fields| fields.roles.let_off = None).unwrap();
     let derived = derive(&grand).expect("three levers");
     assert_eq!(derived.design.let_off.as_ref().expect("a string").what, "hammer head 1.5 mm below the string");
-    grand.roles.string = None;
+    grand.edit(|fields| fields.roles.string = None).unwrap();
     assert_eq!(derive(&grand).expect("three levers").design.let_off, None);
 }

@@ -2,7 +2,7 @@
 
 use erard::Action;
 use erard::grand::Anatomy;
-use erard::instrument::{Curve, Instrument, Spring};
+use erard::instrument::{Curve, Instrument, InstrumentFields, Spring};
 use erard::level::LEVELS;
 use erard_live::ahead::Announced;
 use erard_live::stream::{Of, Sample};
@@ -115,10 +115,13 @@ fn altered(lower_m: f64, torque_n_m: f64) -> Instrument {
     let shank = grand.bodies[grand.roles.hammer.unwrap()].parent.unwrap();
     let spring = &grand.springs[0];
     let pulls = Spring { body: shank, torque_n_m: -torque_n_m, stiffness_n_m_per_rad: 0.0, ..spring.clone() };
-    grand.springs.extend((torque_n_m > 0.0).then_some(pulls));
+    grand.edit(|fields| fields.springs.extend((torque_n_m > 0.0).then_some(pulls))).unwrap();
     let string = grand.roles.string.unwrap();
-    let Curve::Line { point_m, .. } = &mut grand.zones[string].curve else { panic!("the grand's string is a line") };
-    point_m[1] -= lower_m;
+    let lower = |fields: &mut InstrumentFields| {
+        let Curve::Line { point_m, .. } = &mut fields.zones[string].curve else { panic!("the string is a line") };
+        point_m[1] -= lower_m;
+    };
+    grand.edit(lower).unwrap();
     grand
 }
 

@@ -49,18 +49,18 @@ fn check_key(
     let strike_arm_m = instrument.roles.hammer_head_m[0];
     let strike = |instrument: &mut Instrument, by_g: f64| {
         let height_m = instrument.bodies[parts.hammer].center_of_mass_m[1];
-        add_mass(instrument, parts.hammer, 1e-3 * by_g, [strike_arm_m, height_m]);
+        add_mass(instrument, parts.hammer, 1e-3 * by_g, [strike_arm_m, height_m])
     };
     let front = |instrument: &mut Instrument, mass_g: f64, at_mm: f64| {
         let height_m = instrument.bodies[parts.key].center_of_mass_m[1];
-        add_mass(instrument, parts.key, 1e-3 * mass_g, [-1e-3 * at_mm, height_m]);
+        add_mass(instrument, parts.key, 1e-3 * mass_g, [-1e-3 * at_mm, height_m])
     };
     if let Some(strike_g) = key.measured.strike_weight_g {
-        strike(&mut as_weighed, strike_g - strike_weight_g(instrument, &parts));
+        strike(&mut as_weighed, strike_g - strike_weight_g(instrument, &parts))?;
     }
     if let Some(front_g) = key.measured.front_weight_g {
         let at_mm = 0.6 * model.key_front_mm;
-        front(&mut as_weighed, (front_g - model.front_weight_g) * model.key_front_mm / at_mm, at_mm);
+        front(&mut as_weighed, (front_g - model.front_weight_g) * model.key_front_mm / at_mm, at_mm)?;
     }
     let Some(before_g) = touch(&as_weighed, progress)?.balance_weight_g() else { return Ok(Vec::new()) };
     let (strike_g, front_g) =
@@ -71,14 +71,14 @@ fn check_key(
     let mut remedies: Vec<(Remedy, f64, Instrument)> = Vec::new();
     if let Some(leads) = key.leads.clone().map(|leads| leads.work).filter(|leads| leads.front_weight_g != 0.0) {
         let mut after = as_weighed.clone();
-        leads.put.iter().for_each(|lead| front(&mut after, lead.mass_g, lead.at_mm));
-        leads.out.iter().for_each(|lead| front(&mut after, -lead.mass_g, lead.at_mm));
+        leads.put.iter().try_for_each(|lead| front(&mut after, lead.mass_g, lead.at_mm))?;
+        leads.out.iter().try_for_each(|lead| front(&mut after, -lead.mass_g, lead.at_mm))?;
         let by_g = -leads.front_weight_g;
         remedies.push((Remedy::Leads(leads), by_g, after));
     }
     if let Some(by_g) = key.strike_change_g.filter(|by_g| by_g.abs() > 0.05) {
         let mut after = as_weighed.clone();
-        strike(&mut after, by_g);
+        strike(&mut after, by_g)?;
         remedies.push((Remedy::Strike(by_g), ratio * by_g, after));
     }
     let capstan = instrument.zones.iter().position(|zone| {
@@ -87,7 +87,7 @@ fn check_key(
     });
     if let Some((by_mm, zone)) = key.capstan_move_mm.filter(|by_mm| by_mm.abs() > 0.05).zip(capstan) {
         let mut after = as_weighed.clone();
-        after.zones[zone].disc_center_m[0] -= 1e-3 * by_mm;
+        after.edit(|fields| fields.zones[zone].disc_center_m[0] -= 1e-3 * by_mm)?;
         let by_g = (model.capstan_factor(by_mm) - 1.0) * (before_g + front_g);
         remedies.push((Remedy::Capstan(by_mm), by_g, after));
     }

@@ -4,7 +4,7 @@ use super::leads::LEADS_AT;
 use crate::measure::MeasureError;
 use crate::measure::levers::Levers;
 use erard::grand::{Parts, front_weight_g, strike_weight_g, whippen_weight_g};
-use erard::instrument::{Instrument, Vec2};
+use erard::instrument::{Instrument, InvalidInstrument, Vec2};
 use moreau::vector::{dot, sub};
 
 /// The lengths, ratios and inertias of a key's model.
@@ -127,13 +127,23 @@ fn stack_inertia_kg_m2(instrument: &Instrument, part: usize) -> f64 {
 
 /// Adds a point mass to a body at a point of its frame, kg and m (negative: removes it). Changes mass, centre of mass
 /// and inertia about the pin.
-pub(crate) fn add_mass(instrument: &mut Instrument, body: usize, mass_kg: f64, [x, y]: Vec2) {
-    let body = &mut instrument.bodies[body];
-    let total = body.mass_kg + mass_kg;
-    let [cx, cy] = body.center_of_mass_m;
-    body.center_of_mass_m = [(cx * body.mass_kg + x * mass_kg) / total, (cy * body.mass_kg + y * mass_kg) / total];
-    body.mass_kg = total;
-    body.inertia_kg_m2 += mass_kg * (x * x + y * y);
+///
+/// # Errors
+/// See [`Instrument::edit`].
+pub(crate) fn add_mass(
+    instrument: &mut Instrument,
+    body: usize,
+    mass_kg: f64,
+    [x, y]: Vec2,
+) -> Result<(), InvalidInstrument> {
+    instrument.edit(|fields| {
+        let body = &mut fields.bodies[body];
+        let total = body.mass_kg + mass_kg;
+        let [cx, cy] = body.center_of_mass_m;
+        body.center_of_mass_m = [(cx * body.mass_kg + x * mass_kg) / total, (cy * body.mass_kg + y * mass_kg) / total];
+        body.mass_kg = total;
+        body.inertia_kg_m2 += mass_kg * (x * x + y * y);
+    })
 }
 
 #[cfg(test)]

@@ -44,8 +44,11 @@ pub fn inject(
             let _ = Parameter::PivotFriction(instrument.first_piece(body)).vary(&mut changed, factor);
         }
         Change::Knuckle => {
-            let zone = &mut changed.zones[Anatomy::find(instrument)?.jack_knuckle];
-            zone.friction_coefficient = (zone.friction_coefficient + signed).max(0.0);
+            let zone = Anatomy::find(instrument)?.jack_knuckle;
+            changed.edit(|fields| {
+                let friction = &mut fields.zones[zone].friction_coefficient;
+                *friction = (*friction + signed).max(0.0);
+            })?;
         }
         Change::Screw(known) => turn(&mut changed, known, signed),
         Change::Hammer => Work::Hammer { by_g: signed }.carry_out(&mut changed, progress)?,

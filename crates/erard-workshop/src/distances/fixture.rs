@@ -17,6 +17,9 @@ pub enum DistanceError {
     /// The action cannot be assembled, or has no equilibrium.
     #[error(transparent)]
     Action(#[from] ActionError),
+    /// A change of the instrument is not possible.
+    #[error("the instrument cannot be changed: {0}")]
+    Invalid(#[from] erard::instrument::InvalidInstrument),
     /// A number overflowed.
     #[error("a number became infinite while the key was pressed. Look for a stiffness, mass or length that is far off")]
     NonFinite,

@@ -265,7 +265,7 @@ fn lifted_hammer(
     // A knuckle without leather touches neither: the hammer lies on its rest, as far away as possible.
     let mut lifted = instrument.clone();
     for zone in [anatomy.jack_knuckle, lever_knuckle] {
-        lifted.zones[zone].felt.remove();
+        lifted.edit(|fields| fields.zones[zone].felt.remove())?;
     }
     let fixture = Fixture::at_rest(&lifted, anatomy, protocol.slow_step_s)?;
     let (jack, lever) = (&instrument.zones[anatomy.jack_knuckle], &instrument.zones[lever_knuckle]);

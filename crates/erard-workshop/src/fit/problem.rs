@@ -68,7 +68,7 @@ impl Problem {
             }
         }
         // Outlines do not move.
-        let instrument = Instrument { parts: Vec::new(), ..instrument.clone() };
+        let instrument = instrument.without_outlines();
         Ok(Problem { instrument, parameters, recordings, blocks, delay })
     }
 

@@ -100,16 +100,18 @@ fn with_a_bar(instrument: &Instrument, anatomy: &Anatomy) -> Result<Instrument, 
     let head_m = instrument.roles.hammer_head_m;
     let [x, y] = rest.point(Some(anatomy.hammer), head_m);
     let mut held = instrument.clone();
-    held.roles.rigid_string = true;
-    let string = &mut held.zones[anatomy.string];
-    (string.disc_body, string.disc_center_m, string.disc_radius_m) = (Some(anatomy.hammer), head_m, 0.0);
-    (string.curve_body, string.curve) = (None, Curve::Line { point_m: [x, y + 0.5 * blow_m], normal: [0.0, -1.0] });
-    string.felt = Felt {
-        stiffness: BAR_N_PER_M,
-        exponent: 1.0,
-        loss: HuntCrossley { rate: BAR_S_PER_M }.into(),
-        thickness_m: None,
-    };
+    held.edit(|held| {
+        held.roles.rigid_string = true;
+        let string = &mut held.zones[anatomy.string];
+        (string.disc_body, string.disc_center_m, string.disc_radius_m) = (Some(anatomy.hammer), head_m, 0.0);
+        (string.curve_body, string.curve) = (None, Curve::Line { point_m: [x, y + 0.5 * blow_m], normal: [0.0, -1.0] });
+        string.felt = Felt {
+            stiffness: BAR_N_PER_M,
+            exponent: 1.0,
+            loss: HuntCrossley { rate: BAR_S_PER_M }.into(),
+            thickness_m: None,
+        };
+    })?;
     Ok(held)
 }
 
@@ -126,8 +128,9 @@ mod tests {
         let grand = Instrument::builtin("concert-grand-rigid").unwrap();
         let with_heel = |stiffness: f64| {
             let mut own = grand.clone();
-            let heel = own.zones.iter_mut().find(|zone| zone.name == "capstan_heel").unwrap();
-            heel.felt = Felt { stiffness, exponent: 1.0, loss: HuntCrossley { rate: 1.0 }.into(), thickness_m: None };
+            let felt = Felt { stiffness, exponent: 1.0, loss: HuntCrossley { rate: 1.0 }.into(), thickness_m: None };
+            let heel = own.zones.iter().position(|zone| zone.name == "capstan_heel").unwrap();
+            own.edit(|fields| fields.zones[heel].felt = felt).unwrap();
             let parts = erard::grand::Parts::of(&own).unwrap();
             let rows = blocked(&erard::grand::pedal_down(&own, &parts), &mut |_| true).unwrap();
             *rows.last().unwrap()

@@ -32,6 +32,7 @@ use thiserror::Error;
 use crate::cores::Ending;
 use crate::distances;
 use erard::grand::AnatomyError;
+use erard::instrument::InvalidInstrument;
 use erard::player::equilibrium::EquilibriumError;
 use erard::player::{ActionError, PlayError};
 use erard::run::SimulationError;
@@ -57,6 +58,9 @@ pub enum MeasureError {
     /// The distances cannot be measured.
     #[error(transparent)]
     Distances(#[from] distances::DistanceError),
+    /// A change of the instrument is not possible.
+    #[error("the instrument cannot be changed: {0}")]
+    Invalid(#[from] InvalidInstrument),
     /// A measurement ended without a result or an error: its thread died.
     #[error("a measurement ended without a result")]
     Lost,

@@ -201,7 +201,7 @@ pub fn sensitivities<'a>(
     progress: &mut Progress<'_>,
 ) -> Result<Sensitivities, SensitivityError> {
     // Outlines are for drawings.
-    let instrument = &Instrument { parts: Vec::new(), ..instrument.clone() };
+    let instrument = &instrument.without_outlines();
     let weighed = of.iter().any(|one| one.method == Method::Differences);
     let followed = of.iter().any(|one| one.method == Method::Gradient);
     let parts = [

@@ -79,7 +79,7 @@ pub enum VariableError {
 impl Variable {
     /// Returns all named parameters of an instrument ([`Parameter::all`]) that can be changed to both sides.
     pub fn all(instrument: &Instrument) -> Vec<Variable> {
-        let plain = without_outlines(instrument.clone());
+        let plain = instrument.without_outlines();
         let all = Parameter::all(&plain).into_iter();
         all.filter_map(|(name, parameter)| Self::parameter(&plain, name, parameter).ok()).collect()
     }
@@ -89,7 +89,7 @@ impl Variable {
     /// # Errors
     /// See [`VariableError`].
     pub fn named(instrument: &Instrument, text: &str, name: &str) -> Result<Variable, VariableError> {
-        let plain = without_outlines(instrument.clone());
+        let plain = instrument.without_outlines();
         let all = Parameter::all(&plain);
         let name = known_name(name, &all, text);
         let name = name.as_str();
@@ -134,7 +134,7 @@ impl Variable {
             window: apart,
             weighing: apart,
             direction,
-            target: Target::Between(Box::new([low.clone(), high.clone()].map(without_outlines)), 0.5 * apart),
+            target: Target::Between(Box::new([low, high].map(|instrument| instrument.without_outlines())), 0.5 * apart),
         })
     }
 
@@ -251,12 +251,7 @@ fn read(target: &Target, by: f64) -> Result<Instrument, String> {
     };
     let new = with_numbers(text, &[(path, *which, value + by)]).ok_or("it is not there")?;
     let read = Instrument::parse(&new, "the varied instrument").map_err(|error| error.to_string())?;
-    Ok(without_outlines(read))
-}
-
-/// Outlines are for drawings.
-fn without_outlines(instrument: Instrument) -> Instrument {
-    Instrument { parts: Vec::new(), ..instrument }
+    Ok(read.without_outlines())
 }
 
 /// Unit at the end of a path in the file; `1` without one.

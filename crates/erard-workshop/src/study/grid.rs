@@ -169,7 +169,7 @@ impl Grid<'_> {
         progress: &mut Progress<'_>,
     ) -> Result<PlayedPortion, SimulationError> {
         // Outlines are for drawings.
-        let plain = Instrument { parts: Vec::new(), ..self.instrument.clone() };
+        let plain = self.instrument.without_outlines();
         let mut instruments: Vec<Instrument> = Vec::new();
         // The last combination's own values, and where its variant is.
         let mut last: Option<(Vec<usize>, Result<usize, String>)> = None;
@@ -259,7 +259,7 @@ impl Grid<'_> {
             None => plain.clone(),
             Some(read) => {
                 let read = self.model.of(read?).map_err(|error| error.to_string())?;
-                Instrument { parts: Vec::new(), ..read }
+                read.without_outlines()
             }
         };
         for (axis, &index) in self.axes.iter().zip(indices) {

@@ -68,13 +68,17 @@ mod tests {
     fn numbers_are_not_topology() {
         let grand = Instrument::builtin("concert-grand").unwrap();
         let mut other = grand.clone();
-        other.bodies[0].mass_kg *= 2.0;
-        other.zones[0].felt.stiffness *= 2.0;
+        other
+            .edit(|fields| {
+                fields.bodies[0].mass_kg *= 2.0;
+                fields.zones[0].felt.stiffness *= 2.0;
+            })
+            .unwrap();
         assert_eq!(Topology::of(&grand), Topology::of(&other));
-        other.zones[0].felt.exponent = 1.7;
+        other.edit(|fields| fields.zones[0].felt.exponent = 1.7).unwrap();
         assert_ne!(Topology::of(&grand), Topology::of(&other));
         let mut other = grand.clone();
-        other.zones[0].felt.loss = moreau::Loss::hunt_crossley(0.5);
+        other.edit(|fields| fields.zones[0].felt.loss = moreau::Loss::hunt_crossley(0.5)).unwrap();
         assert_ne!(Topology::of(&grand), Topology::of(&other));
     }
 }

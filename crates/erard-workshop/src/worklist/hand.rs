@@ -6,7 +6,7 @@ use crate::regulate::{Handwork, known_screw, way};
 use crate::weighing::Scale;
 use erard::Progress;
 use erard::grand::{Anatomy, Parts, strike_weight_g};
-use erard::instrument::Instrument;
+use erard::instrument::{Instrument, InvalidInstrument};
 
 /// Smallest changes and steps of lines, g and mm: friction, weighed as D and U in steps of 2 g; hammers and front
 /// weights, on the scale; the capstan line; paper under the key; the back check's wire (1 mm of checking distance is a
@@ -159,7 +159,7 @@ impl Work {
             Work::Friction { by_g } => return ease(instrument, Rubs::Everywhere, *by_g, scale, progress),
             Work::Capstan { by_mm } => {
                 if let Some(zone) = capstan(instrument)? {
-                    instrument.zones[zone].disc_center_m[0] -= 1e-3 * by_mm;
+                    instrument.edit(|fields| fields.zones[zone].disc_center_m[0] -= 1e-3 * by_mm)?;
                 }
             }
             Work::Hammer { by_g } => hammer(instrument, *by_g)?,
@@ -211,8 +211,7 @@ fn front(instrument: &mut Instrument, mass_g: f64, at_mm: f64) -> Result<(), Mea
     // The piece behind the pin rests on it.
     let body = if at_mm > 0.0 { parts.key } else { instrument.first_piece(parts.key) };
     let height_m = instrument.bodies[body].center_of_mass_m[1];
-    add_mass(instrument, body, 1e-3 * mass_g, [-1e-3 * at_mm, height_m]);
-    Ok(())
+    Ok(add_mass(instrument, body, 1e-3 * mass_g, [-1e-3 * at_mm, height_m])?)
 }
 
 /// Adds strike weight to the hammer's head, at the strike point's place along the shank.
@@ -224,7 +223,7 @@ fn hammer(instrument: &mut Instrument, by_g: f64) -> Result<(), MeasureError> {
     };
     let before = weighed(instrument)?;
     let height_m = instrument.bodies[parts.hammer].center_of_mass_m[1];
-    add_mass(instrument, parts.hammer, 1e-3 * by_g, [instrument.roles.hammer_head_m[0], height_m]);
+    add_mass(instrument, parts.hammer, 1e-3 * by_g, [instrument.roles.hammer_head_m[0], height_m])?;
     debug_assert!((weighed(instrument)? - before - by_g).abs() < 1e-6);
     Ok(())
 }
@@ -249,12 +248,10 @@ pub(super) fn ease(
     let anatomy = Anatomy::find(instrument)?;
     let all = [anatomy.key, anatomy.whippen, anatomy.hammer].map(|body| instrument.first_piece(body));
     let pins = if rubs == Rubs::Key { &all[..1] } else { &all[..] };
-    let eased = |factor: f64| {
+    let eased = |instrument: &Instrument, factor: f64| -> Result<Instrument, InvalidInstrument> {
         let mut eased = instrument.clone();
-        for pin in pins {
-            eased.bodies[*pin].friction_torque_n_m *= factor;
-        }
-        eased
+        eased.edit(|fields| pins.iter().for_each(|pin| fields.bodies[*pin].friction_torque_n_m *= factor))?;
+        Ok(eased)
     };
     let Some(before_g) = scale.touch(instrument, progress)?.friction_weight_g() else { return Ok(()) };
     let wanted_g = before_g + by_g;
@@ -262,7 +259,7 @@ pub(super) fn ease(
     let mut factor = (1.0 + by_g / (0.75 * before_g)).max(LEAST_FRICTION);
     let (mut last, mut slope) = ((1.0, before_g), 0.75 * before_g);
     for _ in 0..WEIGHINGS {
-        let Some(found_g) = scale.touch(&eased(factor), progress)?.friction_weight_g() else { break };
+        let Some(found_g) = scale.touch(&eased(instrument, factor)?, progress)?.friction_weight_g() else { break };
         if (found_g - wanted_g).abs() < FRICTION_FOUND_G {
             break;
         }
@@ -277,6 +274,6 @@ pub(super) fn ease(
         }
         factor = next;
     }
-    *instrument = eased(factor);
+    *instrument = eased(instrument, factor)?;
     Ok(())
 }

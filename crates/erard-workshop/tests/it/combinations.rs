@@ -37,8 +37,12 @@ impl Asked {
         let mut instrument = Instrument::builtin(name).unwrap();
         if has("dwell") {
             let dwell = Some(Dwell { ratio: 1.3, time_s: 0.2 });
-            instrument.bodies.iter_mut().filter(|b| b.friction_torque_n_m > 0.0).for_each(|b| b.dwell = dwell);
-            instrument.zones.iter_mut().filter(|z| z.friction_coefficient > 0.0).for_each(|z| z.dwell = dwell);
+            instrument
+                .edit(|fields| {
+                    fields.bodies.iter_mut().filter(|b| b.friction_torque_n_m > 0.0).for_each(|b| b.dwell = dwell);
+                    fields.zones.iter_mut().filter(|z| z.friction_coefficient > 0.0).for_each(|z| z.dwell = dwell);
+                })
+                .unwrap();
         }
         let setup = Setup {
             hand: has("hand").then(Hand::default),

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use crate::common::{USUAL_STEP_S, grand};
 use erard::grand::{Parts, pedal_down};
-use erard::instrument::{Certainty, Instrument};
+use erard::instrument::{Certainty, Instrument, InstrumentFields};
 use erard::keyboard::{KEYS, Keyboard, note_name};
 use erard::player;
 use erard::run::{Setup, simulate};
@@ -31,7 +31,8 @@ fn the_base_key_is_the_instrument() {
     let (keyboard, instruments) = concert_grand();
     assert_eq!(instruments.len(), KEYS);
     let base = &instruments[keyboard.base_key - 1];
-    assert_eq!(base, &Instrument { name: base.name.clone(), origin: base.origin, ..grand() });
+    let named = InstrumentFields { name: base.name.clone(), origin: base.origin, ..(*grand()).clone() };
+    assert_eq!(**base, named);
     assert_eq!(instruments.iter().map(Instrument::key).collect::<Vec<_>>(), (1..=KEYS).map(Some).collect::<Vec<_>>());
     assert_eq!(base.name, format!("Concert grand, key 40 ({})", note_name(40)));
     for pair in instruments.windows(2) {

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use crate::common::{body, rigid_grand};
 use erard::grand::{Parts, pedal_down};
-use erard::instrument::{Curve, Instrument, Vec2};
+use erard::instrument::{Curve, Instrument, InstrumentFields, Vec2};
 use erard::one_dof;
 use erard::player::{self, Action};
 use erard::run::{Setup, simulate};
@@ -38,9 +38,14 @@ fn without_damper(instrument: &Instrument) -> Instrument {
     let damper = body(&bare, "damper");
     // The last body, so that no other's index changes; its zones are last, too.
     assert_eq!(damper + 1, bare.bodies.len());
-    bare.bodies.truncate(damper);
-    bare.zones.retain(|zone| ![zone.disc_body, zone.curve_body].contains(&Some(damper)));
-    bare.parts.retain(|part| part.body != Some(damper));
+    bare.edit(|fields| {
+        fields.bodies.truncate(damper);
+        fields.zones.retain(|zone| ![zone.disc_body, zone.curve_body].contains(&Some(damper)));
+        fields.parts.retain(|part| part.body != Some(damper));
+        // It turns one of these zones.
+        fields.screws.retain(|screw| screw.name != "damper_timing");
+    })
+    .unwrap();
     bare
 }
 
@@ -74,13 +79,16 @@ fn zone(instrument: &Instrument, name: &str) -> usize {
 /// Adds a point mass to a body, kg at a point of its frame, m.
 fn add_mass(instrument: &mut Instrument, name: &str, mass_kg: f64, at: Vec2) {
     let body = body(instrument, name);
-    let body = &mut instrument.bodies[body];
-    let whole = body.mass_kg + mass_kg;
-    for (c, x) in body.center_of_mass_m.iter_mut().zip(at) {
-        *c = (*c * body.mass_kg + x * mass_kg) / whole;
-    }
-    body.mass_kg = whole;
-    body.inertia_kg_m2 += mass_kg * (at[0] * at[0] + at[1] * at[1]);
+    let add = |fields: &mut InstrumentFields| {
+        let body = &mut fields.bodies[body];
+        let whole = body.mass_kg + mass_kg;
+        for (c, x) in body.center_of_mass_m.iter_mut().zip(at) {
+            *c = (*c * body.mass_kg + x * mass_kg) / whole;
+        }
+        body.mass_kg = whole;
+        body.inertia_kg_m2 += mass_kg * (at[0] * at[0] + at[1] * at[1]);
+    };
+    instrument.edit(add).unwrap();
 }
 
 /// Absolute angle of the hammer at rest, rad.
@@ -94,7 +102,7 @@ fn keep_the_blow(instrument: &mut Instrument, model: &Instrument) {
     let capstan = zone(instrument, "capstan_heel");
     let drawn = instrument.zones[capstan].disc_center_m[1];
     let miss = |instrument: &mut Instrument, height: f64| {
-        instrument.zones[capstan].disc_center_m[1] = height;
+        instrument.edit(|fields| fields.zones[capstan].disc_center_m[1] = height).unwrap();
         hammer_at_rest(instrument) - goal
     };
     // Secant method: the hammer's angle is almost linear in the capstan's height.
@@ -189,7 +197,7 @@ fn capstan_toward_the_player_is_lighter() {
     let grand = rigid_grand();
     let mut moved = grand.clone();
     let capstan = zone(&grand, "capstan_heel");
-    moved.zones[capstan].disc_center_m[0] -= 0.010;
+    moved.edit(|fields| fields.zones[capstan].disc_center_m[0] -= 0.010).unwrap();
     keep_the_blow(&mut moved, &grand);
     let (before, after) = (grand_weighed(), weighed(&moved));
     show_change(before, &after);
@@ -207,7 +215,7 @@ fn knuckle_in_is_heavier() {
     let mut moved = grand.clone();
     for knuckle in ["jack_knuckle", "lever_knuckle"] {
         let knuckle = zone(&grand, knuckle);
-        moved.zones[knuckle].disc_center_m[0] -= 0.001;
+        moved.edit(|fields| fields.zones[knuckle].disc_center_m[0] -= 0.001).unwrap();
     }
     keep_the_blow(&mut moved, &grand);
     let (before, after) = (grand_weighed(), weighed(&moved));
@@ -228,7 +236,7 @@ fn knuckle_in_is_heavier() {
 fn a_gram_at_the_hammer_is_r_grams_at_the_key() {
     let mut smooth = rigid_grand();
     let knuckle = zone(&smooth, "jack_knuckle");
-    smooth.zones[knuckle].friction_coefficient = 0.0;
+    smooth.edit(|fields| fields.zones[knuckle].friction_coefficient = 0.0).unwrap();
     let (before, after) = with_a_gram(&smooth);
     near("strike weight", after.parts.strike_weight_g - before.parts.strike_weight_g, 1.0, 1e-9);
     let raised = balance(&after) - balance(&before);
@@ -279,7 +287,7 @@ fn friction_raises_one_weight_and_lowers_the_other_by_the_same() {
     let grand = rigid_grand();
     let mut tight = grand.clone();
     let key = body(&grand, "key");
-    tight.bodies[key].friction_torque_n_m += 5e-3;
+    tight.edit(|fields| fields.bodies[key].friction_torque_n_m += 5e-3).unwrap();
     let (before, after) = (grand_weighed(), weighed(&tight));
     let grams = 5e-3 / 0.265 / grand.gravity_m_s2 * 1e3;
     near("down-weight", down(&after) - down(before), grams, SCALE_G);
@@ -328,13 +336,17 @@ fn inertia_is_that_of_the_reduced_model() {
 #[test]
 fn inertia_is_what_a_force_accelerates() {
     let mut stiff = rigid_grand();
-    for zone in &mut stiff.zones {
-        zone.felt.stiffness *= 1000.0;
-        zone.felt.scale_loss(1000.0);
-    }
-    for spring in stiff.springs.iter_mut().filter(|spring| spring.name == "repetition") {
-        spring.torque_n_m *= 20.0;
-    }
+    stiff
+        .edit(|fields| {
+            for zone in &mut fields.zones {
+                zone.felt.stiffness *= 1000.0;
+                zone.felt.scale_loss(1000.0);
+            }
+            for spring in fields.springs.iter_mut().filter(|spring| spring.name == "repetition") {
+                spring.torque_n_m *= 20.0;
+            }
+        })
+        .unwrap();
     let lifted = pedal_down(&stiff, &Parts::of(&stiff).unwrap());
     let slow = slow_loop(&lifted, 5e-3, &mut go).unwrap().down;
     let curve = inertia(&stiff, 5e-3, &mut go).unwrap();
@@ -360,9 +372,12 @@ fn inertia_is_what_a_force_accelerates() {
 fn lower_let_off(instrument: &mut Instrument, by_m: f64) {
     for stop in ["let_off_button", "drop_screw"] {
         let stop = zone(instrument, stop);
-        if let Curve::Line { point_m, .. } = &mut instrument.zones[stop].curve {
-            point_m[1] -= by_m;
-        }
+        let lower = |fields: &mut InstrumentFields| {
+            if let Curve::Line { point_m, .. } = &mut fields.zones[stop].curve {
+                point_m[1] -= by_m;
+            }
+        };
+        instrument.edit(lower).unwrap();
     }
 }
 
@@ -412,12 +427,16 @@ fn half_way_repeats_faster() {
     assert!(half.return_s < full.return_s);
     // A lever without a spring cannot lift the hammer for the jack to slip under it.
     let mut slack = grand.clone();
-    for spring in &mut slack.springs {
-        if spring.name == "repetition" {
-            spring.torque_n_m *= 0.05;
-            spring.stiffness_n_m_per_rad *= 0.05;
-        }
-    }
+    slack
+        .edit(|fields| {
+            for spring in &mut fields.springs {
+                if spring.name == "repetition" {
+                    spring.torque_n_m *= 0.05;
+                    spring.stiffness_n_m_per_rad *= 0.05;
+                }
+            }
+        })
+        .unwrap();
     let slack = repetition(&slack, 4.8e-3, &mut go).unwrap();
     assert!(slack.is_none_or(|slack| slack.rate_hz < 0.8 * half.rate_hz), "{slack:?}");
 }
@@ -456,11 +475,11 @@ fn an_action_without_a_damper_has_a_sheet() {
 #[test]
 fn what_cannot_be_measured_is_said() {
     let mut no_hammer = rigid_grand();
-    no_hammer.roles.hammer = None;
+    no_hammer.edit(|fields| fields.roles.hammer = None).unwrap();
     let error = measure(&no_hammer, &mut |_| true).unwrap_err().to_string();
     assert!(error.contains("names no `hammer`"), "{error}");
     let mut floating = rigid_grand();
-    floating.gravity_m_s2 = 0.0;
+    floating.edit(|fields| fields.gravity_m_s2 = 0.0).unwrap();
     assert!(measure(&floating, &mut |_| true).is_err());
     assert!(measure(&rigid_grand(), &mut |_| false).unwrap_err().is_interruption());
 }

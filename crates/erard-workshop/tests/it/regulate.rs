@@ -170,7 +170,7 @@ fn screws_stay_in_their_range() {
 #[test]
 fn what_is_missing_is_named() {
     let mut without = rigid_grand();
-    without.screws.retain(|screw| screw.name != "drop");
+    without.edit(|fields| fields.screws.retain(|screw| screw.name != "drop")).unwrap();
     let error = regulate(&without, &Goal::norms(), &Protocol::default(), &mut |_| true).unwrap_err();
     assert_eq!(error.to_string(), "the instrument has no screw for drop: it needs one called `drop`");
 

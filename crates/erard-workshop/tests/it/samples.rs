@@ -99,7 +99,7 @@ mod nightly {
             assert_eq!(of_key, of_base, "{path}");
             assert_ne!(of_base, numbers_at(grand(), path).unwrap(), "{path}");
         }
-        let name = InstrumentFile::parse(&key, "key").unwrap().instrument.name;
+        let name = InstrumentFile::parse(&key, "key").unwrap().instrument.name.clone();
         assert!(name.contains("key 88") && name.ends_with("sample 2"), "{name}");
     }
 }

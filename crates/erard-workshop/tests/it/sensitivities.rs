@@ -278,7 +278,7 @@ fn what_is_not_derived_is_refused() {
 
 fn refusals() {
     let mut grand = Instrument::builtin("concert-grand-rigid").unwrap();
-    grand.bodies[0].dwell = Some(Dwell { ratio: 1.5, time_s: 0.1 });
+    grand.edit(|fields| fields.bodies[0].dwell = Some(Dwell { ratio: 1.5, time_s: 0.1 })).unwrap();
     let setup = Setup { ledger: false, ..Setup::new(0.1) };
     let plain = Instrument::builtin("concert-grand-rigid").unwrap();
     let poses = Poses::of(&plain, 0.0, &mut |_| true).unwrap();
@@ -287,7 +287,7 @@ fn refusals() {
     let refused = follow(&grand, &[Direction::force()], &force, &setup, &poses, how, &mut |_| true);
     assert!(matches!(refused, Err(GradientError::Dwell)), "{refused:?}");
     let mut grand = Instrument::builtin("concert-grand-rigid").unwrap();
-    grand.zones[0].felt.loss = moreau::SetValued { eta: 0.2 }.into();
+    grand.edit(|fields| fields.zones[0].felt.loss = moreau::SetValued { eta: 0.2 }.into()).unwrap();
     let refused = follow(&grand, &[Direction::force()], &force, &setup, &poses, how, &mut |_| true);
     assert!(matches!(refused, Err(GradientError::SetValuedFelt)), "{refused:?}");
     let stopped = follow(&plain, &[], &force, &setup, &poses, how, &mut |_| false);

@@ -136,7 +136,7 @@ mod tests {
         assert_eq!([body(Some(a.jack)), body(Some(a.hammer)), body(a.damper)], ["jack", "hammer", "damper"]);
 
         let mut without = grand.clone();
-        without.roles.let_off = None;
+        without.edit(|fields| fields.roles.let_off = None).unwrap();
         assert!(Anatomy::find(&without).unwrap_err().to_string().contains("let_off"));
     }
 }

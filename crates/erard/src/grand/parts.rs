@@ -62,8 +62,8 @@ pub fn pedal_down(instrument: &Instrument, parts: &Parts) -> Instrument {
     let mut lifted = instrument.clone();
     if let Some((zone, _)) = parts.damper {
         // A felt without stiffness or damping gives no force: the key passes as if nothing were there.
-        lifted.zones[zone].felt.remove();
-        lifted.zones[zone].friction_coefficient = 0.0;
+        lifted.fields.zones[zone].felt.remove();
+        lifted.fields.zones[zone].friction_coefficient = 0.0;
     }
     lifted
 }

@@ -6,7 +6,7 @@
 //! compliance, locks the bends ([`Instrument::locked`]): the pieces become one rigid body, as drawn.
 
 use super::placement::Placement;
-use super::{Body, Curve, Instrument, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone};
+use super::{Body, Curve, Instrument, InstrumentFields, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone};
 
 impl Instrument {
     /// Whether any part bends.
@@ -80,7 +80,7 @@ impl Instrument {
         let (springs, kept) = rigid.springs(self);
         let roles = &self.roles;
         let on = |body: Option<usize>, point: Vec2| body.map_or(point, |body| rigid.placed[body].to_world(point));
-        Instrument {
+        let fields = InstrumentFields {
             name: self.name.clone(),
             gravity_m_s2: self.gravity_m_s2,
             springs,
@@ -99,7 +99,8 @@ impl Instrument {
             parts: self.parts.iter().map(|part| rigid.part(part)).collect(),
             bodies,
             origin: self.origin,
-        }
+        };
+        Instrument { fields }
     }
 }
 

@@ -26,7 +26,7 @@ impl Instrument {
     /// bushing adds a body, right before this one, and a spring, the last.
     #[must_use]
     pub fn with_bushing(&self, body: usize, n_per_m: f64, n_s_per_m: f64) -> Instrument {
-        let mut other = self.clone();
+        let mut other = self.fields.clone();
         let own = &self.bodies[body];
         let (name, square) = (self.bushing_name(body), ARM_M * ARM_M);
         let arm = Body {
@@ -55,6 +55,6 @@ impl Instrument {
         [&mut other.roles.key, &mut other.roles.hammer].into_iter().flatten().for_each(moved);
         other.parts.iter_mut().filter_map(|part| part.body.as_mut()).for_each(moved);
         other.springs.push(Spring { name, body, torque_n_m: 0.0, stiffness_n_m_per_rad: n_per_m * square });
-        other
+        Instrument { fields: other }
     }
 }

@@ -13,8 +13,8 @@ use super::quantity::{At, Num, Pair, Positive, Real};
 use super::reader::{G_PER_KG, GROUND, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name, title};
 use super::strings::{read_bridge, read_strings};
 use super::{
-    Body, Curve, Dwell, Finger, Instrument, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_ZONES,
-    Origin, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
+    Body, Curve, Dwell, Finger, Instrument, InstrumentFields, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS,
+    MAX_SPRINGS, MAX_ZONES, Origin, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
 };
 use crate::key::KEYS;
 
@@ -34,7 +34,7 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
     at_most(&file.part, MAX_PARTS, "parts")?;
 
     let mut reader = Reader::new(&file.sources);
-    let mut instrument = Instrument {
+    let fields = InstrumentFields {
         name: title(&file.name, "an instrument")?,
         gravity_m_s2: reader.scalar(&file.gravity_m_s2, FileNumber::GRAVITY)?,
         bodies: Vec::new(),
@@ -51,18 +51,19 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
             sample: file.sample.as_ref().map(sample_number).transpose()?,
         },
     };
+    let mut instrument = Instrument { fields };
     read_bodies(&file.body, &mut reader, &mut instrument)?;
     for spring in &file.spring {
         let spring = read_spring(spring, &mut reader, &instrument)?;
-        instrument.springs.push(spring);
+        instrument.fields.springs.push(spring);
     }
     check_bends(&file.body, &instrument)?;
     for zone in &file.zone {
         let zone = read_zone(zone, &mut reader, &instrument)?;
-        instrument.zones.push(zone);
+        instrument.fields.zones.push(zone);
     }
     if let Some(roles) = &file.roles {
-        instrument.roles = read_roles(roles, &mut reader, &instrument)?;
+        instrument.fields.roles = read_roles(roles, &mut reader, &instrument)?;
     }
     let pedal = file.roles.as_ref().and_then(|roles| roles.pedal.as_ref());
     read_strings(&file.string, pedal, &mut reader, &mut instrument)?;
@@ -72,7 +73,7 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
     }
     match (&file.finger, &file.roles) {
         (Some(finger), _) => {
-            instrument.finger = Finger {
+            instrument.fields.finger = Finger {
                 stiffness_n_per_m: reader.scalar(&finger.stiffness_n_per_m, FileNumber::FINGER_STIFFNESS)?,
                 damping_n_s_per_m: reader.scalar(&finger.damping_n_s_per_m, FileNumber::FINGER_DAMPING)?,
             }
@@ -85,11 +86,11 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
     }
     for screw in &file.screw {
         let screw = read_screw(screw, &mut reader, &mut instrument)?;
-        instrument.screws.push(screw);
+        instrument.fields.screws.push(screw);
     }
     for part in &file.part {
         let part = read_part(part, &mut reader, &instrument)?;
-        instrument.parts.push(part);
+        instrument.fields.parts.push(part);
     }
     read_bushings(&file.body, &mut reader, &mut instrument)?;
     Ok((instrument, reader.numbers))
@@ -147,7 +148,7 @@ fn read_bodies(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &mu
     }
     for &index in &order {
         let (table, parent) = (&tables[index], parents[index].map(|parent| place[parent]));
-        instrument.bodies.push(read_body(table, &names[index], parent, reader)?);
+        instrument.fields.bodies.push(read_body(table, &names[index], parent, reader)?);
     }
     Ok(())
 }
@@ -466,8 +467,8 @@ fn read_roles(table: &At<RolesToml>, reader: &mut Reader<'_>, instrument: &Instr
 }
 
 fn read_one_dof(table: &OneDofToml, instrument: &mut Instrument) -> Result<(), Fault> {
-    instrument.roles.transmits = zone_indices(&table.transmits, instrument)?;
-    instrument.roles.stops = zone_indices(&table.stops, instrument)?;
+    instrument.fields.roles.transmits = zone_indices(&table.transmits, instrument)?;
+    instrument.fields.roles.stops = zone_indices(&table.stops, instrument)?;
     Ok(())
 }
 

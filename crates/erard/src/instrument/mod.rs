@@ -12,6 +12,7 @@
 // are no stable interface for others.
 mod bends;
 mod bushing;
+mod checked;
 pub(crate) mod convert;
 pub(crate) mod edit;
 #[doc(hidden)]
@@ -42,6 +43,7 @@ pub mod serde_fault;
 mod strings;
 mod tuning;
 
+pub use checked::InvalidInstrument;
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES, UnknownInstrument, file_bytes, utf8};
 pub use file_number::FileNumber;
@@ -78,9 +80,33 @@ pub(crate) const MAX_CORNERS: usize = 4096;
 /// A point or direction in a plane, `[x, y]`, metres (or dimensionless for directions).
 pub type Vec2 = [f64; 2];
 
-/// A checked instrument: every index is in range, every number finite, every mass and inertia positive.
+/// A checked instrument: every index is in range. It is read like its [`InstrumentFields`], and changed by
+/// [`Instrument::edit`], which checks again, so no safe call can index out of bounds.
+///
+/// ```compile_fail
+/// # let mut grand = erard::Instrument::builtin("concert-grand").unwrap();
+/// grand.springs[0].body = 99;
+/// ```
+///
+/// Numbers that a file gave are finite and in their ranges. Those that a program writes are checked where the
+/// instrument enters the engine ([`moreau::ModelError`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instrument {
+    // Within this crate, whoever writes here keeps the indices in range.
+    pub(crate) fields: InstrumentFields,
+}
+
+impl std::ops::Deref for Instrument {
+    type Target = InstrumentFields;
+
+    fn deref(&self) -> &InstrumentFields {
+        &self.fields
+    }
+}
+
+/// The fields of an instrument, before they are checked by [`Instrument::new`] or [`Instrument::edit`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct InstrumentFields {
     /// Name shown in summaries, e.g. `Concert grand, C4`.
     pub name: String,
     /// Gravity, m/s2, pointing toward -y.
@@ -156,7 +182,7 @@ impl Instrument {
         match self.origin.key {
             Some(own) if own != key => Err(KeyError::Another { own, found: key }),
             _ => {
-                self.origin.key = Some(key);
+                self.fields.origin.key = Some(key);
                 Ok(())
             }
         }

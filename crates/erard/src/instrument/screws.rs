@@ -23,7 +23,7 @@ impl Instrument {
         if !setting.is_finite() || !self.shift(&action, setting - turned.setting) {
             return false;
         }
-        self.screws[screw].setting = setting;
+        self.fields.screws[screw].setting = setting;
         true
     }
 
@@ -35,8 +35,8 @@ impl Instrument {
             point[1] += by * direction[1];
         };
         match *action {
-            ScrewAction::Disc { zone, direction } => moved(&mut self.zones[zone].disc_center_m, direction),
-            ScrewAction::Curve { zone, direction } => match &mut self.zones[zone].curve {
+            ScrewAction::Disc { zone, direction } => moved(&mut self.fields.zones[zone].disc_center_m, direction),
+            ScrewAction::Curve { zone, direction } => match &mut self.fields.zones[zone].curve {
                 Curve::Line { point_m, .. } => moved(point_m, direction),
                 Curve::Segment { from_m, to_m, .. } => {
                     moved(from_m, direction);
@@ -45,7 +45,7 @@ impl Instrument {
                 Curve::Disc { center_m, .. } => moved(center_m, direction),
             },
             // The curve turns about a point of its own, so moving and turning it can be done in any order.
-            ScrewAction::Turn { zone } => match &mut self.zones[zone].curve {
+            ScrewAction::Turn { zone } => match &mut self.fields.zones[zone].curve {
                 Curve::Line { normal, .. } => *normal = turned_by(*normal, by),
                 Curve::Segment { from_m, to_m, .. } => {
                     let middle = [0.5 * (from_m[0] + to_m[0]), 0.5 * (from_m[1] + to_m[1])];
@@ -57,7 +57,7 @@ impl Instrument {
                 Curve::Disc { .. } => {}
             },
             ScrewAction::Spring { spring } => {
-                let torque = &mut self.springs[spring].torque_n_m;
+                let torque = &mut self.fields.springs[spring].torque_n_m;
                 let tightened = *torque + by * torque.signum();
                 if by != 0.0 && tightened * *torque <= 0.0 {
                     return false;

@@ -39,7 +39,7 @@ pub(super) fn read_strings(
         let mut string = read_string(table, reader, &instrument.strings)?;
         string.damper =
             table.damper.as_ref().map(|damper| read_damper(damper, &string, reader, instrument)).transpose()?;
-        instrument.strings.push(string);
+        instrument.fields.strings.push(string);
     }
     if let (Some(zone), Some(name)) = (instrument.roles.pedal, pedal) {
         if instrument.roles.string == Some(zone) {
@@ -166,7 +166,7 @@ pub(super) fn read_bridge(
         }
         let others = instrument.bridge_modes.iter().map(|mode| mode.name.as_str());
         let name = new_name(&table.name, "bridge mode", others)?;
-        instrument.bridge_modes.push(BridgeMode {
+        instrument.fields.bridge_modes.push(BridgeMode {
             name,
             mass_kg: reader.scalar(&table.mass_g, FileNumber::BRIDGE_MASS)? / G_PER_KG,
             frequency_hz: reader.scalar(&table.frequency_hz, FileNumber::BRIDGE_FREQUENCY)?,

@@ -146,12 +146,12 @@ impl<'a> GradedDocument<'a> {
             document.replace(path, &change.written(), &mut replaced)?;
         }
         let (mut instrument, _) = convert(&document.read(&replaced).ok()?).ok()?;
-        instrument.name = title(keyboard, key);
+        instrument.fields.name = title(keyboard, key);
         if instrument.name.chars().count() > LONGEST_TITLE {
             return None;
         }
-        instrument.roles.is_sharp = document.find("roles").is_some() && is_sharp(key);
-        instrument.origin.key = Some(key);
+        instrument.fields.roles.is_sharp = document.find("roles").is_some() && is_sharp(key);
+        instrument.fields.origin.key = Some(key);
         Some(instrument)
     }
 }

@@ -347,15 +347,15 @@ impl Parameter {
                 return instrument.turn(screw, setting);
             }
             Parameter::Mass(i) => {
-                instrument.bodies[i].mass_kg *= value;
-                instrument.bodies[i].inertia_kg_m2 *= value;
+                instrument.fields.bodies[i].mass_kg *= value;
+                instrument.fields.bodies[i].inertia_kg_m2 *= value;
             }
-            Parameter::PivotFriction(i) => instrument.bodies[i].friction_torque_n_m *= value,
-            Parameter::Torque(i) => instrument.springs[i].torque_n_m *= value,
-            Parameter::SpringStiffness(i) => instrument.springs[i].stiffness_n_m_per_rad *= value,
-            Parameter::Stiffness(i) => instrument.zones[i].felt.stiffness *= value,
-            Parameter::Damping(i) => instrument.zones[i].felt.scale_loss(value),
-            Parameter::Friction(i) => instrument.zones[i].friction_coefficient *= value,
+            Parameter::PivotFriction(i) => instrument.fields.bodies[i].friction_torque_n_m *= value,
+            Parameter::Torque(i) => instrument.fields.springs[i].torque_n_m *= value,
+            Parameter::SpringStiffness(i) => instrument.fields.springs[i].stiffness_n_m_per_rad *= value,
+            Parameter::Stiffness(i) => instrument.fields.zones[i].felt.stiffness *= value,
+            Parameter::Damping(i) => instrument.fields.zones[i].felt.scale_loss(value),
+            Parameter::Friction(i) => instrument.fields.zones[i].friction_coefficient *= value,
         }
         true
     }

@@ -4,7 +4,7 @@
 //! separately.
 
 use super::Observer;
-use crate::instrument::Instrument;
+use crate::instrument::{Instrument, InstrumentFields};
 use crate::mechanism::Mechanism;
 use crate::strings::{StringLosses, Strings};
 use moreau::LossIn;
@@ -77,7 +77,7 @@ impl Losses {
     #[must_use]
     pub fn open(instrument: &Instrument, mechanism: &dyn Mechanism) -> Self {
         Losses {
-            instrument: Instrument { parts: Vec::new(), ..instrument.clone() },
+            instrument: instrument.without_outlines(),
             pins: vec![PinLoss::default(); instrument.bodies.len()],
             contacts: vec![ContactLoss::default(); instrument.zones.len()],
             strings_before: lost_in_strings(mechanism),
@@ -132,7 +132,7 @@ impl Losses {
     /// Pins, contacts and modal strings, the largest loss first.
     #[must_use]
     pub fn by_size(&self) -> Vec<Loss> {
-        let Instrument { bodies, zones, .. } = &self.instrument;
+        let InstrumentFields { bodies, zones, .. } = &*self.instrument;
         let pins = bodies.iter().zip(&self.pins).map(|(body, loss)| Loss {
             name: body.name.clone(),
             kind: "pin",
@@ -189,7 +189,7 @@ impl LossRecorder {
     #[must_use]
     pub fn new(instrument: &Instrument) -> Self {
         LossRecorder {
-            instrument: Instrument { parts: Vec::new(), ..instrument.clone() },
+            instrument: instrument.without_outlines(),
             losses: None,
             rows: vec![Vec::new(); instrument.bodies.len() + instrument.zones.len() + YIELDING],
         }

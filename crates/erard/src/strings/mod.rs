@@ -127,7 +127,7 @@ impl Instrument {
     #[must_use]
     pub fn with_rigid_string(&self) -> Self {
         let mut other = self.clone();
-        other.roles.rigid_string = true;
+        other.fields.roles.rigid_string = true;
         other
     }
 }

@@ -59,43 +59,46 @@ pub fn perturbed(grand: &Instrument, seed: u64) -> Instrument {
     fn length(r: &mut Random, p: &mut Vec2) {
         p.iter_mut().for_each(|x| *x *= r.between(0.9, 1.1));
     }
-    for body in &mut i.bodies {
-        let square = |c: Vec2| c[0] * c[0] + c[1] * c[1];
-        let own = body.inertia_kg_m2 - body.mass_kg * square(body.center_of_mass_m);
-        let (mass, size) = (r.factor(2.0), r.between(0.9, 1.1));
-        length(&mut r, &mut body.pivot_m);
-        length(&mut r, &mut body.center_of_mass_m);
-        body.mass_kg *= mass;
-        body.inertia_kg_m2 = own * mass * size * size + body.mass_kg * square(body.center_of_mass_m);
-        body.friction_torque_n_m *= r.factor(2.0);
-        body.viscous_n_m_s *= r.factor(2.0);
-    }
-    for spring in &mut i.springs {
-        spring.torque_n_m *= r.factor(2.0);
-        spring.stiffness_n_m_per_rad *= r.factor(2.0);
-    }
-    for zone in &mut i.zones {
-        length(&mut r, &mut zone.disc_center_m);
-        zone.disc_radius_m *= r.between(0.9, 1.1);
-        match &mut zone.curve {
-            Curve::Line { point_m, .. } => length(&mut r, point_m),
-            Curve::Segment { from_m, to_m, rounding_m } => {
-                length(&mut r, from_m);
-                length(&mut r, to_m);
-                *rounding_m *= r.between(0.9, 1.1);
-            }
-            Curve::Disc { center_m, radius_m } => {
-                length(&mut r, center_m);
-                *radius_m *= r.between(0.9, 1.1);
-            }
+    i.edit(|fields| {
+        for body in &mut fields.bodies {
+            let square = |c: Vec2| c[0] * c[0] + c[1] * c[1];
+            let own = body.inertia_kg_m2 - body.mass_kg * square(body.center_of_mass_m);
+            let (mass, size) = (r.factor(2.0), r.between(0.9, 1.1));
+            length(&mut r, &mut body.pivot_m);
+            length(&mut r, &mut body.center_of_mass_m);
+            body.mass_kg *= mass;
+            body.inertia_kg_m2 = own * mass * size * size + body.mass_kg * square(body.center_of_mass_m);
+            body.friction_torque_n_m *= r.factor(2.0);
+            body.viscous_n_m_s *= r.factor(2.0);
         }
-        zone.felt.stiffness *= r.factor(3.0);
-        zone.felt.scale_loss(r.factor(2.0));
-        zone.friction_coefficient *= r.factor(2.0);
-    }
-    length(&mut r, &mut i.roles.key_front_m);
-    i.finger.stiffness_n_per_m *= r.factor(3.0);
-    i.finger.damping_n_s_per_m *= r.factor(2.0);
+        for spring in &mut fields.springs {
+            spring.torque_n_m *= r.factor(2.0);
+            spring.stiffness_n_m_per_rad *= r.factor(2.0);
+        }
+        for zone in &mut fields.zones {
+            length(&mut r, &mut zone.disc_center_m);
+            zone.disc_radius_m *= r.between(0.9, 1.1);
+            match &mut zone.curve {
+                Curve::Line { point_m, .. } => length(&mut r, point_m),
+                Curve::Segment { from_m, to_m, rounding_m } => {
+                    length(&mut r, from_m);
+                    length(&mut r, to_m);
+                    *rounding_m *= r.between(0.9, 1.1);
+                }
+                Curve::Disc { center_m, radius_m } => {
+                    length(&mut r, center_m);
+                    *radius_m *= r.between(0.9, 1.1);
+                }
+            }
+            zone.felt.stiffness *= r.factor(3.0);
+            zone.felt.scale_loss(r.factor(2.0));
+            zone.friction_coefficient *= r.factor(2.0);
+        }
+        length(&mut r, &mut fields.roles.key_front_m);
+        fields.finger.stiffness_n_per_m *= r.factor(3.0);
+        fields.finger.damping_n_s_per_m *= r.factor(2.0);
+    })
+    .expect("numbers only");
     i
 }
 

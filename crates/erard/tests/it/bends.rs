@@ -73,7 +73,7 @@ fn energies_of_frozen_pieces_are_those_of_the_locked_part() {
     let mut bent = bending(8);
     let head = crate::common::body(&bent, "hammer");
     // The head turned against its shank as drawn, so that frames differ.
-    bent.bodies[head].angle_rad += 0.3;
+    bent.edit(|fields| fields.bodies[head].angle_rad += 0.3).unwrap();
     let locked = bent.locked();
     let [a, b] = [&bent, &locked].map(|i| Action::as_drawn(i, Settings::new(50e-6)).unwrap());
     let rate = |name: &str| match name {
@@ -107,11 +107,15 @@ fn stiff_bends_play_like_none() {
     let locked = speed(&bent.locked(), &play);
     let stiffened = |by: f64| {
         let mut stiff = bent.clone();
-        for spring in &mut stiff.springs {
-            if stiff.bodies[spring.body].is_bend {
-                spring.stiffness_n_m_per_rad *= by;
-            }
-        }
+        stiff
+            .edit(|fields| {
+                for spring in &mut fields.springs {
+                    if fields.bodies[spring.body].is_bend {
+                        spring.stiffness_n_m_per_rad *= by;
+                    }
+                }
+            })
+            .unwrap();
         (speed(&stiff, &play) / locked - 1.0).abs()
     };
     let [soft, stiff] = [1.0, 1e3].map(stiffened);
@@ -125,9 +129,12 @@ fn the_dry_torque_of_bends_moves_no_blow() {
     for force_n in [1.0, 5.0, 20.0] {
         let impact = |by: f64| {
             let mut bent = bending(8);
-            for body in bent.bodies.iter_mut().filter(|body| body.is_bend) {
-                body.friction_torque_n_m *= by;
-            }
+            bent.edit(|fields| {
+                for body in fields.bodies.iter_mut().filter(|body| body.is_bend) {
+                    body.friction_torque_n_m *= by;
+                }
+            })
+            .unwrap();
             let events = Play::ForceStep(force_n, 0.4).run(&bent, Settings::new(25e-6), 0.4).events;
             [events.hammer_speed_m_per_s(), events.hammer_contact_s(), events.key_bottom_s].map(Option::unwrap)
         };

@@ -397,7 +397,7 @@ fn the_balance_closes_over_an_impact_under_the_damper() {
 fn damped_on_a_bridge(mass_kg: f64) -> Instrument {
     let mut instrument = damped(1.0);
     let mode = |frequency_hz: f64| BridgeMode { name: String::new(), mass_kg, frequency_hz, loss_factor: 0.02 };
-    instrument.bridge_modes = [112.0, 256.0, 612.0, 1571.0].map(mode).to_vec();
+    instrument.edit(|fields| fields.bridge_modes = [112.0, 256.0, 612.0, 1571.0].map(mode).to_vec()).unwrap();
     instrument
 }
 
@@ -452,8 +452,12 @@ fn each_dashpot_takes_what_it_takes() {
     for (mass_kg, damped) in [(5.0, true), (0.5, true), (0.5, false)] {
         let mut instrument = damped_on_a_bridge(mass_kg);
         if !damped {
-            instrument.strings[0].damper = None;
-            instrument.zones.truncate(1);
+            instrument
+                .edit(|fields| {
+                    fields.strings[0].damper = None;
+                    fields.zones.truncate(1);
+                })
+                .unwrap();
         }
         let exact = by_runge_kutta(&instrument, &speeds, &[0.06]).remove(0).taken;
         let errors = [50e-6, 25e-6, 12.5e-6].map(|h| {
@@ -469,10 +473,14 @@ fn each_dashpot_takes_what_it_takes() {
     }
     let undamped = |loss_per_s: f64, loss_factor: f64| {
         let mut instrument = damped_on_a_bridge(0.5);
-        instrument.strings[0].damper = None;
-        instrument.zones.truncate(1);
-        (instrument.strings[0].loss_per_s, instrument.strings[0].loss_s) = (loss_per_s, 0.0);
-        instrument.bridge_modes.iter_mut().for_each(|mode| mode.loss_factor = loss_factor);
+        instrument
+            .edit(|fields| {
+                fields.strings[0].damper = None;
+                fields.zones.truncate(1);
+                (fields.strings[0].loss_per_s, fields.strings[0].loss_s) = (loss_per_s, 0.0);
+                fields.bridge_modes.iter_mut().for_each(|mode| mode.loss_factor = loss_factor);
+            })
+            .unwrap();
         let (found, all) = lost(&instrument, 50e-6, &speeds, 0.5);
         found.map(|lost| lost / all)
     };
@@ -511,17 +519,23 @@ fn wrong_dampers_are_told() {
 /// Three strings of C4, 0.3 and 0.25 cents beside each other, on six modes of a bridge.
 fn bridged() -> Instrument {
     let mut instrument = damped(1.0);
-    instrument.strings[0].damper = None;
-    instrument.zones.truncate(1);
+    instrument
+        .edit(|fields| {
+            fields.strings[0].damper = None;
+            fields.zones.truncate(1);
+        })
+        .unwrap();
     let one = instrument.strings[0].clone();
     let tuned = |cents: f64| {
         let factor = 2_f64.powf(2.0 * cents / 1200.0);
         let (tension_n, bending_n_m2) = (one.tension_n * factor, one.bending_n_m2 * factor);
         erard::instrument::PianoString { tension_n, bending_n_m2, ..one.clone() }
     };
-    instrument.strings = [-0.3, 0.0, 0.25].map(tuned).to_vec();
+    instrument.edit(|fields| fields.strings = [-0.3, 0.0, 0.25].map(tuned).to_vec()).unwrap();
     let mode = |frequency_hz: f64| BridgeMode { name: String::new(), mass_kg: 5.0, frequency_hz, loss_factor: 0.02 };
-    instrument.bridge_modes = [112.0, 163.0, 211.0, 256.0, 312.0, 371.0].map(mode).to_vec();
+    instrument
+        .edit(|fields| fields.bridge_modes = [112.0, 163.0, 211.0, 256.0, 312.0, 371.0].map(mode).to_vec())
+        .unwrap();
     instrument
 }
 
@@ -567,12 +581,16 @@ fn strings_on_a_bridge_are_those_of_an_independent_solution() {
 #[test]
 fn a_bridge_wins_nothing() {
     let mut instrument = bridged();
-    for string in &mut instrument.strings {
-        (string.loss_per_s, string.loss_s) = (0.0, 0.0);
-    }
-    for mode in &mut instrument.bridge_modes {
-        mode.loss_factor = 0.0;
-    }
+    instrument
+        .edit(|fields| {
+            for string in &mut fields.strings {
+                (string.loss_per_s, string.loss_s) = (0.0, 0.0);
+            }
+            for mode in &mut fields.bridge_modes {
+                mode.loss_factor = 0.0;
+            }
+        })
+        .unwrap();
     for h in [10e-6, 50e-6, 500e-6] {
         let mut m = mechanism(&instrument, Settings::new(h)).unwrap();
         let modes = strings(m.as_ref()).modes() / 3;
@@ -595,13 +613,13 @@ fn a_bridge_wins_nothing() {
 fn the_bridge_is_an_option() {
     let mut instrument = strung();
     let mut without = instrument.clone();
-    without.bridge_modes.clear();
+    without.edit(|fields| fields.bridge_modes.clear()).unwrap();
     let play =
         |instrument: &Instrument| Play::Stroke("mf", Touch::Pressed).run(instrument, Settings::new(USUAL_STEP_S), 0.4);
     let digest = |instrument: &Instrument| crate::common::digests::digest(&play(instrument));
     assert!(instrument.roles.rigid_bridge);
     assert_eq!(digest(&instrument), digest(&without));
-    instrument.roles.rigid_bridge = false;
+    instrument.edit(|fields| fields.roles.rigid_bridge = false).unwrap();
     let run = play(&instrument);
     assert_ne!(crate::common::digests::digest(&run), digest(&without));
     let ledger = run.ledger.as_ref().unwrap();
@@ -660,9 +678,13 @@ mod nightly {
     fn the_balance_closes_over_hammer_and_damper_on_the_same_string() {
         for (side, gravity) in [(1.0, 225.0), (-1.0, -225.0)] {
             let mut instrument = damped(0.0);
-            instrument.gravity_m_s2 = gravity;
+            instrument.edit(|fields| fields.gravity_m_s2 = gravity).unwrap();
             // The hammer lies on the string, 25.6 mm from the damper, which lies there, too.
-            instrument.zones[0].curve = erard::instrument::Curve::Line { point_m: [1.0, 0.0], normal: [0.0, side] };
+            instrument
+                .edit(|fields| {
+                    fields.zones[0].curve = erard::instrument::Curve::Line { point_m: [1.0, 0.0], normal: [0.0, side] }
+                })
+                .unwrap();
             let mut residuals = Vec::new();
             for h in [10e-6, 20e-6, 50e-6] {
                 let mut m = mechanism(&instrument, Settings { tolerance: 1e-10, ..Settings::new(h) }).unwrap();

@@ -150,7 +150,7 @@ fn books_kept_from_outside_say_the_same() {
         [Play::Stroke("f", Touch::Struck), Play::Motion("mf", Touch::Pressed), Play::Rigid("mf", Touch::Struck)];
     for (k, (name, law)) in laws.into_iter().enumerate() {
         let mut instrument = grand();
-        instrument.zones.iter_mut().for_each(|zone| law(&mut zone.felt));
+        instrument.edit(|fields| fields.zones.iter_mut().for_each(|zone| law(&mut zone.felt))).unwrap();
         for play in &usual[..if k == 0 { usual.len() } else { 1 }] {
             play.with_drive(|drive| {
                 // A relaxing felt's loss is a trapezium from outside, and asks for shorter steps.

@@ -31,7 +31,7 @@ const LAWS: [(&str, Law); 3] = [
 
 fn with(law: Law) -> Instrument {
     let mut instrument = grand();
-    instrument.zones.iter_mut().for_each(|zone| law(&mut zone.felt));
+    instrument.edit(|fields| fields.zones.iter_mut().for_each(|zone| law(&mut zone.felt))).unwrap();
     instrument
 }
 
@@ -167,15 +167,19 @@ fn nothing_breaks(seeds: std::ops::Range<u64>) {
     let (mut steps, mut unconverged) = (0, 0);
     for seed in seeds {
         let (mut instrument, mut r) = (perturbed(&grand, seed), Random::new(seed + 1_000_000));
-        for zone in &mut instrument.zones {
-            let felt = &mut zone.felt;
-            let damping = match r.below(3) {
-                0 => continue,
-                1 => felt.loss.viscous(1.0, 0.0),
-                _ => 0.0,
-            };
-            felt.loss = Elastoplastic { damping, eta: r.between(0.05, 0.6), slip: r.between(0.05, 0.5) }.into();
-        }
+        instrument
+            .edit(|fields| {
+                for zone in &mut fields.zones {
+                    let felt = &mut zone.felt;
+                    let damping = match r.below(3) {
+                        0 => continue,
+                        1 => felt.loss.viscous(1.0, 0.0),
+                        _ => 0.0,
+                    };
+                    felt.loss = Elastoplastic { damping, eta: r.between(0.05, 0.6), slip: r.between(0.05, 0.5) }.into();
+                }
+            })
+            .unwrap();
         let fate = play_on(&instrument, seed, settings, 0.4);
         assert!(!fate.not_finite && !fate.restless, "{seed}: {fate:?}");
         assert!(fate.gain < 1e-2 && fate.residual < 1e-2, "{seed}: {fate:?}");
@@ -193,8 +197,12 @@ fn nothing_breaks(seeds: std::ops::Range<u64>) {
 fn friction_that_grows_at_rest_plays() {
     let mut instrument = grand();
     let dwell = Some(Dwell { ratio: 1.3, time_s: 0.2 });
-    instrument.bodies.iter_mut().filter(|body| body.friction_torque_n_m > 0.0).for_each(|body| body.dwell = dwell);
-    instrument.zones.iter_mut().filter(|zone| zone.friction_coefficient > 0.0).for_each(|zone| zone.dwell = dwell);
+    instrument
+        .edit(|fields| {
+            fields.bodies.iter_mut().filter(|body| body.friction_torque_n_m > 0.0).for_each(|body| body.dwell = dwell);
+            fields.zones.iter_mut().filter(|zone| zone.friction_coefficient > 0.0).for_each(|zone| zone.dwell = dwell);
+        })
+        .unwrap();
     for solver in [Solver::ActiveSet, Solver::ProjectedGaussSeidel] {
         let settings = Settings { solver, ..Settings::new(USUAL_STEP_S) };
         let run = Play::Stroke("mf", Touch::Pressed).run(&instrument, settings, 1.0);

@@ -222,7 +222,7 @@ fn trust_tells_of_steps_that_are_too_long_for_strings() {
 fn a_change_of_length_costs_no_energy_and_no_memory() {
     for bridged in [false, true] {
         let mut instrument = Instrument::builtin("concert-grand-strings").unwrap();
-        instrument.roles.rigid_bridge = !bridged;
+        instrument.edit(|fields| fields.roles.rigid_bridge = !bridged).unwrap();
         let mut m = mechanism(&instrument, Settings::new(instrument.usual_step_s())).unwrap();
         for _ in 0..4000 {
             m.step(&moreau::Input::Force(6.0));

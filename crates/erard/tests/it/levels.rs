@@ -118,7 +118,7 @@ fn the_held_key_does_not_rattle() {
 #[test]
 fn a_struck_key_stays_under_a_duller_fingertip() {
     let mut firm = grand();
-    firm.finger.damping_n_s_per_m *= 2.0;
+    firm.edit(|fields| fields.finger.damping_n_s_per_m *= 2.0).unwrap();
     let mut reference = reference(&firm);
     for (name, speed_m_per_s) in LEVELS.into_iter().filter(|(name, _)| ["p", "mf", "f"].contains(name)) {
         let solved = solve(&mut reference, kind(Touch::Struck), speed_m_per_s);
@@ -169,7 +169,7 @@ fn what_is_out_of_reach_is_answered_with_the_range() {
 #[test]
 fn without_a_string_there_is_no_level() {
     let mut silent = grand();
-    silent.roles.string = None;
+    silent.edit(|fields| fields.roles.string = None).unwrap();
     assert!(matches!(Reference::new(&silent, &mut |_| true), Err(LevelError::Silent { .. })));
 }
 

@@ -6,6 +6,7 @@ mod common;
 mod allocation;
 mod bends;
 mod bounded_work;
+mod checked_instruments;
 mod control;
 mod convergence;
 mod damper_compass;

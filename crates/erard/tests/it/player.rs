@@ -284,7 +284,7 @@ fn the_hammers_speed_is_reported_in_total_and_along_the_normal() {
 fn what_does_not_fit_is_an_error() {
     let mut too_many = rigid_grand();
     let body = too_many.bodies[5].clone();
-    too_many.bodies.extend(std::iter::repeat_n(body, 10));
+    too_many.edit(|fields| fields.bodies.extend(std::iter::repeat_n(body, 10))).unwrap();
     let error = Action::new(&too_many).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("16") && error.contains("12"), "{error}");
 }

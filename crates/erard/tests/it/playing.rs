@@ -171,7 +171,7 @@ fn ten_and_twelve_strokes_a_second_from_home() {
     let mut grand = grand();
     let tremolo = |frequency| Play::Tremolo { top: 0.0, bottom: 9.9e-3, frequency };
     repeats(&tremolo(10.0), 10.0, 10, -1e-3, &grand);
-    grand.finger.stiffness_n_per_m = 2e3;
+    grand.edit(|fields| fields.finger.stiffness_n_per_m = 2e3).unwrap();
     repeats(&tremolo(12.0), 12.0, 20, -1e-3, &grand);
 }
 

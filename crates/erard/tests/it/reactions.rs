@@ -2,7 +2,7 @@
 
 use crate::common::energy_audit::EnergyAudit;
 use crate::common::{USUAL_STEP_S, grand};
-use erard::instrument::{Body, Finger, Instrument, Origin, Roles, Vec2};
+use erard::instrument::{Body, Finger, Instrument, InstrumentFields, Origin, Roles, Vec2};
 use erard::mechanism::Mechanism;
 use erard::player::{Action, Input, Losses, Observer, ReactionRecorder, Reactions};
 use erard::run::{Setup, simulate_observed};
@@ -11,7 +11,7 @@ use moreau::{Loss, Settings};
 
 /// A physical pendulum that is let go level: one body on the ground, without friction.
 fn pendulum() -> Instrument {
-    Instrument {
+    let fields = InstrumentFields {
         name: "pendulum".into(),
         gravity_m_s2: 9.81,
         bodies: vec![Body {
@@ -37,7 +37,8 @@ fn pendulum() -> Instrument {
         screws: Vec::new(),
         parts: Vec::new(),
         origin: Origin::default(),
-    }
+    };
+    Instrument::new(fields).unwrap()
 }
 
 /// At every angle phi below the level, omega^2 = 2 m g l sin(phi) / J and alpha = -m g l cos(phi) / J; so the pin
@@ -216,9 +217,13 @@ fn impulses_are_changes_of_momentum() {
 #[test]
 fn moments_about_the_pins_balance() {
     let mut smooth = grand();
-    for zone in &mut smooth.zones {
-        zone.felt.loss = Loss::quadratic(zone.felt.loss.viscous(1.0, 0.0));
-    }
+    smooth
+        .edit(|fields| {
+            for zone in &mut fields.zones {
+                zone.felt.loss = Loss::quadratic(zone.felt.loss.viscous(1.0, 0.0));
+            }
+        })
+        .unwrap();
     moments_balance(&smooth, 10.0);
     moments_balance(&grand(), 4.0);
 }

@@ -143,7 +143,7 @@ fn a_search_for_a_rest_that_does_not_end_well() {
     // 400 000.
     for name in ["concert-grand", "concert-grand-strings"] {
         let mut explosive = Instrument::builtin(name).unwrap();
-        explosive.zones.iter_mut().for_each(|zone| zone.felt.stiffness = 1e300);
+        explosive.edit(|fields| fields.zones.iter_mut().for_each(|zone| zone.felt.stiffness = 1e300)).unwrap();
         let mut asked = 0;
         let error = Action::asking(&explosive, Settings::new(USUAL_STEP_S), &mut |_| {
             asked += 1;

@@ -88,7 +88,7 @@ fn nothing_breaks_with_theta_one(count: u64) {
 fn random_instruments_are_possible() {
     let grand = grand();
     for seed in 0..1000 {
-        for body in perturbed(&grand, seed).bodies {
+        for body in &perturbed(&grand, seed).bodies {
             let [x, y] = body.center_of_mass_m;
             assert!(body.inertia_kg_m2 >= body.mass_kg * (x * x + y * y) && body.mass_kg > 0.0, "{seed}: {body:?}");
         }

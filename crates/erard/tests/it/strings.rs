@@ -58,7 +58,7 @@ string = "string"
     );
     let mut instrument = InstrumentFile::parse(&text, "bare").map_err(|e| e.to_string()).unwrap().instrument;
     let one = instrument.strings[0].clone();
-    instrument.strings = vec![one; 3];
+    instrument.edit(|fields| fields.strings = vec![one; 3]).unwrap();
     instrument
 }
 
@@ -223,8 +223,11 @@ fn nothing_is_won_from_a_hammer_that_stays() {
     for h in [20e-6, 50e-6, 200e-6] {
         let mut instrument = bare("225", 1e7);
         // Strings below: the same, upside down.
-        let erard::instrument::Curve::Line { normal, .. } = &mut instrument.zones[0].curve else { unreachable!() };
-        *normal = [0.0, 1.0];
+        let turn = |fields: &mut erard::instrument::InstrumentFields| {
+            let erard::instrument::Curve::Line { normal, .. } = &mut fields.zones[0].curve else { unreachable!() };
+            *normal = [0.0, 1.0];
+        };
+        instrument.edit(turn).unwrap();
         let mut m = thrown(&instrument, h, -2.0);
         let mut ledger = open_ledger(m.as_mut());
         let (mut lost, mut least) = (0.0, 0.0_f64);
@@ -527,7 +530,7 @@ fn strings_ring_at_once_as_in_steps() {
 fn one_word_makes_the_string_rigid() {
     let strung = strung();
     let mut without = strung.clone();
-    without.strings.clear();
+    without.edit(|fields| fields.strings.clear()).unwrap();
     let play = |instrument: &Instrument| {
         let run = Play::Stroke("mf", Touch::Pressed).run(instrument, Settings::new(USUAL_STEP_S), 0.3);
         crate::common::digests::digest(&run)

@@ -146,8 +146,11 @@ fn bounds_move_nothing() {
     let play = Play::Stroke("mf", Touch::Struck);
     let with = play.run(&grand(), settings(), 0.2);
     let mut bare = grand();
-    bare.zones.iter_mut().for_each(|zone| zone.felt.thickness_m = None);
-    bare.bodies.iter_mut().for_each(|body| body.turn_rad = None);
+    bare.edit(|fields| {
+        fields.zones.iter_mut().for_each(|zone| zone.felt.thickness_m = None);
+        fields.bodies.iter_mut().for_each(|body| body.turn_rad = None);
+    })
+    .unwrap();
     let without = play.run(&bare, settings(), 0.2);
     assert_eq!((&with.key_m, &with.events), (&without.key_m, &without.events));
     assert_eq!(with.extremes, without.extremes);
@@ -182,7 +185,7 @@ fn extremes_are_those_of_the_rows() {
 fn a_body_beyond_its_stops_is_told() {
     let mut instrument = grand();
     let hammer = instrument.first_piece(instrument.roles.hammer.unwrap());
-    instrument.bodies[hammer].turn_rad = Some([-0.2, 0.1]);
+    instrument.edit(|fields| fields.bodies[hammer].turn_rad = Some([-0.2, 0.1])).unwrap();
     let run = Play::Stroke("mf", Touch::Pressed).run(&instrument, settings(), 0.3);
     let [warning] = &run.warnings[..] else { panic!("{:?}", run.warnings) };
     assert_eq!((warning.kind, warning.part.as_deref(), warning.unit), (Kind::TurnBeyondStops, Some("shank"), "rad"));
@@ -195,8 +198,11 @@ fn a_body_beyond_its_stops_is_told() {
 fn a_rest_far_from_the_drawing_is_told() {
     let mut instrument = grand();
     let rest = instrument.zones.iter().position(|zone| zone.name == "capstan_heel").unwrap();
-    let erard::instrument::Curve::Line { normal, .. } = &mut instrument.zones[rest].curve else { panic!("a line") };
-    *normal = normal.map(|x| -x);
+    let turn = |fields: &mut erard::instrument::InstrumentFields| {
+        let erard::instrument::Curve::Line { normal, .. } = &mut fields.zones[rest].curve else { panic!("a line") };
+        *normal = normal.map(|x| -x);
+    };
+    instrument.edit(turn).unwrap();
     let run = erard::press(&instrument, &|_| erard::Input::Free, &erard::Setup::new(0.02)).unwrap();
     let far = run.warnings.iter().find(|warning| warning.kind == Kind::RestFarFromDrawing).unwrap();
     assert!(far.value.abs() > 0.8 && far.what.contains("wrong way"), "{far}");
@@ -209,7 +215,7 @@ fn a_string_that_would_break_is_told() {
     let strings = Instrument::builtin("concert-grand-strings").unwrap();
     let breaks = |factor: f64| {
         let mut instrument = strings.clone();
-        instrument.strings.iter_mut().for_each(|string| string.tension_n *= factor);
+        instrument.edit(|fields| fields.strings.iter_mut().for_each(|string| string.tension_n *= factor)).unwrap();
         let run = erard::press(&instrument, &|_| erard::Input::Free, &erard::Setup::new(0.01)).unwrap();
         run.warnings.iter().find(|warning| warning.kind == Kind::StringTension).cloned()
     };
@@ -222,11 +228,15 @@ fn a_string_that_would_break_is_told() {
 #[test]
 fn no_rest_is_a_warning_of_its_own() {
     let mut instrument = rigid_grand();
-    (instrument.gravity_m_s2, instrument.zones) = (0.0, Vec::new());
-    instrument.roles = erard::instrument::Roles::default();
-    // A constant torque, and nothing that ends its way.
-    instrument.springs.truncate(1);
-    instrument.springs[0].stiffness_n_m_per_rad = 0.0;
+    instrument
+        .edit(|fields| {
+            (fields.gravity_m_s2, fields.zones, fields.screws) = (0.0, Vec::new(), Vec::new());
+            fields.roles = erard::instrument::Roles::default();
+            // A constant torque, and nothing that ends its way.
+            fields.springs.truncate(1);
+            fields.springs[0].stiffness_n_m_per_rad = 0.0;
+        })
+        .unwrap();
     let error = erard::press(&instrument, &|_| erard::Input::Free, &erard::Setup::new(0.1)).unwrap_err();
     let warning = error.warning().expect("a fault of the instrument's");
     assert_eq!((warning.kind, warning.part.is_some()), (Kind::NoRest, true), "{warning:?}");

@@ -3,7 +3,7 @@
 use super::impact::tell;
 use super::strings::head;
 use super::{Claim, Progress, ReproduceError, Section, Table};
-use erard::instrument::Instrument;
+use erard::instrument::{Instrument, InstrumentFields};
 use erard::keyboard::{Keyboard, note_name};
 use erard::{Action, Input};
 
@@ -149,7 +149,7 @@ pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
 }
 
 /// A change of the head before C4's strings.
-type Change = (&'static str, fn(&mut Instrument));
+type Change = (&'static str, fn(&mut InstrumentFields));
 
 /// Changes with a possible effect on C4's contact.
 const CHANGES: [Change; 12] = [
@@ -183,7 +183,7 @@ fn variants(c4: &Instrument, section: &mut Section, progress: &mut Progress) -> 
     for (n, (name, change)) in CHANGES.into_iter().enumerate() {
         tell(progress, n as f64 / CHANGES.len() as f64)?;
         let mut head = head::before(c4)?;
-        change(&mut head);
+        head.edit(change)?;
         let mut found = [0.0; 3];
         for (found, speed_m_per_s) in found.iter_mut().zip(SPEEDS_M_PER_S) {
             *found = alone(&head, speed_m_per_s)?.touch_s;
@@ -217,7 +217,7 @@ fn felts_of_a0(a0: &Instrument, section: &mut Section, progress: &mut Progress) 
     for (n, factor) in [0.5, 0.7, 1.0, 1.4, 2.0].into_iter().enumerate() {
         tell(progress, n as f64 / 5.0)?;
         let mut softer = a0.clone();
-        softer.zones[zone].felt.stiffness *= factor;
+        softer.edit(|fields| fields.zones[zone].felt.stiffness *= factor)?;
         let (_, contact) = thrown(&softer, SPEEDS_M_PER_S[1])?;
         table.row([format!("x {factor}"), format!("{:.2}", 1e3 * contact.touch_s)]);
         points.push((factor, contact.touch_s));

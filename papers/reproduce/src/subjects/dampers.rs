@@ -169,15 +169,19 @@ fn t60_s(levels: &[f64], window_s: f64) -> (f64, bool) {
 fn with_damper_of(own: &Instrument, other: &Instrument) -> Instrument {
     let mut changed = own.clone();
     if let Some(damper) = own.bodies.iter().position(|body| body.name == "damper") {
-        changed.bodies[damper] = other.bodies[damper].clone();
+        changed.edit(|fields| fields.bodies[damper] = other.bodies[damper].clone()).expect("numbers alone");
     }
     let Some(given) = other.strings.iter().find_map(|string| string.damper) else { return changed };
-    for string in &mut changed.strings {
-        let Some(damper) = &mut string.damper else { continue };
-        damper.length_m = given.length_m;
-        changed.zones[damper.zone].felt = other.zones[given.zone].felt;
-        changed.zones[damper.zone].curve = other.zones[given.zone].curve;
-    }
+    changed
+        .edit(|fields| {
+            for string in &mut fields.strings {
+                let Some(damper) = &mut string.damper else { continue };
+                damper.length_m = given.length_m;
+                fields.zones[damper.zone].felt = other.zones[given.zone].felt;
+                fields.zones[damper.zone].curve = other.zones[given.zone].curve;
+            }
+        })
+        .expect("numbers alone");
     changed
 }
 
@@ -298,12 +302,15 @@ fn half_pedal(
     let [force_n, pressed_m, _] = lying(&stiff)?;
     let dampers: Vec<usize> = stiff.strings.iter().filter_map(|string| string.damper).map(|one| one.zone).collect();
     for zone in dampers {
-        let zone = &mut stiff.zones[zone];
-        zone.felt.stiffness = STIFF[0];
-        zone.felt.loss = moreau::Loss::quadratic(STIFF[1]);
-        if let erard::instrument::Curve::Line { point_m, .. } = &mut zone.curve {
-            point_m[1] += (force_n / STIFF[0]).sqrt() - pressed_m;
-        }
+        let stiffen = |fields: &mut erard::instrument::InstrumentFields| {
+            let zone = &mut fields.zones[zone];
+            zone.felt.stiffness = STIFF[0];
+            zone.felt.loss = moreau::Loss::quadratic(STIFF[1]);
+            if let erard::instrument::Curve::Line { point_m, .. } = &mut zone.curve {
+                point_m[1] += (force_n / STIFF[0]).sqrt() - pressed_m;
+            }
+        };
+        stiff.edit(stiffen)?;
     }
     instruments.push((format!("{}, felt 18 times as stiff", note_name(MIDDLE)), stiff));
     let mut header = vec!["lift of the rail, mm".to_owned()];

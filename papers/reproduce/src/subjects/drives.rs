@@ -105,8 +105,12 @@ struct Compared {
 fn fitted(derived: &Instrument, references: &[Reference]) -> Result<Instrument, ReproduceError> {
     let with = |x: [f64; 2]| {
         let mut model = derived.clone();
-        model.bodies[0].inertia_kg_m2 *= x[0].exp();
-        model.bodies[0].viscous_n_m_s = x[1].exp();
+        model
+            .edit(|fields| {
+                fields.bodies[0].inertia_kg_m2 *= x[0].exp();
+                fields.bodies[0].viscous_n_m_s = x[1].exp();
+            })
+            .expect("numbers alone");
         model
     };
     let cost = |x: [f64; 2]| -> Result<f64, ReproduceError> {

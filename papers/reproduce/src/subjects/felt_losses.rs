@@ -41,11 +41,15 @@ fn dry(damping: f64) -> Loss<f64> {
 /// The instrument with this loss in its felts, except the string's.
 fn with(instrument: &Instrument, law: &Law) -> Instrument {
     let mut other = instrument.clone();
-    for (z, zone) in other.zones.iter_mut().enumerate() {
-        if Some(z) != instrument.roles.string && !matches!(zone.felt.loss, Loss::HuntCrossley(_)) {
-            (law.give)(&mut zone.felt);
-        }
-    }
+    other
+        .edit(|fields| {
+            for (z, zone) in fields.zones.iter_mut().enumerate() {
+                if Some(z) != instrument.roles.string && !matches!(zone.felt.loss, Loss::HuntCrossley(_)) {
+                    (law.give)(&mut zone.felt);
+                }
+            }
+        })
+        .expect("numbers alone");
     other
 }
 
@@ -53,13 +57,16 @@ fn with(instrument: &Instrument, law: &Law) -> Instrument {
 /// left after a quarter of a second. The pivots' dry friction would stop it with any felts, and is therefore removed.
 fn rocking(instrument: &Instrument) -> Result<Option<[f64; 2]>, ReproduceError> {
     let mut free = instrument.clone();
-    for body in &mut free.bodies {
-        body.friction_torque_n_m *= 1e-6;
-        body.viscous_n_m_s = 0.0;
-    }
-    for zone in &mut free.zones {
-        zone.friction_coefficient = 0.0;
-    }
+    free.edit(|fields| {
+        for body in &mut fields.bodies {
+            body.friction_torque_n_m *= 1e-6;
+            body.viscous_n_m_s = 0.0;
+        }
+        for zone in &mut fields.zones {
+            zone.friction_coefficient = 0.0;
+        }
+    })
+    .expect("numbers alone");
     let Some(hammer) = free.roles.hammer else { return Ok(None) };
     let failed = |error: &dyn std::fmt::Display| ReproduceError::Instrument(error.to_string());
     let mut action = Action::with(&free, Settings::new(STEP_S)).map_err(|error| failed(&error))?;

@@ -258,9 +258,11 @@ pub(super) fn finger(instrument: &Instrument, progress: &mut Progress) -> Result
         for (k, factor) in factors.into_iter().enumerate() {
             tell(progress, (i * factors.len() + k) as f64 / (2 * factors.len()) as f64)?;
             let mut soft = instrument.clone();
-            soft.finger.stiffness_n_per_m = own.stiffness_n_per_m * factor;
+            soft.edit(|fields| fields.finger.stiffness_n_per_m = own.stiffness_n_per_m * factor)
+                .expect("numbers alone");
             // The same share of critical damping against the same key.
-            soft.finger.damping_n_s_per_m = own.damping_n_s_per_m * factor.sqrt();
+            soft.edit(|fields| fields.finger.damping_n_s_per_m = own.damping_n_s_per_m * factor.sqrt())
+                .expect("numbers alone");
             let play = Play::Motion(nuance, Touch::Pressed);
             let run = play.run(&soft, Settings::new(50e-6), 0.4, u64::MAX)?;
             let told = |x: Option<f64>, digits: usize| x.map_or("-".into(), |x| format!("{x:.digits$}"));

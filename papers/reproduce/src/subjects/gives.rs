@@ -55,7 +55,7 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         let of = |i: &Instrument| i.zones.iter().position(|zone| zone.name == name);
         if let (Some(a), Some(b)) = (of(&bending), of(&rigid)) {
             for one in [&mut stiff, &mut key, &mut shank, &mut both] {
-                one.zones[a].felt = rigid.zones[b].felt;
+                one.edit(|fields| fields.zones[a].felt = rigid.zones[b].felt).expect("numbers alone");
             }
         }
     }
@@ -109,11 +109,15 @@ fn ms(seconds: Option<f64>) -> Option<f64> {
 /// Stiffens the bends of a part so much that they have no effect.
 pub(super) fn stiffen(instrument: &mut Instrument, piece: Option<usize>) {
     let Some(piece) = piece else { return };
-    for spring in &mut instrument.springs {
-        if spring.body == piece && instrument.bodies[piece].is_bend {
-            spring.stiffness_n_m_per_rad *= LOCKED;
-        }
-    }
+    instrument
+        .edit(|fields| {
+            for spring in &mut fields.springs {
+                if spring.body == piece && fields.bodies[piece].is_bend {
+                    spring.stiffness_n_m_per_rad *= LOCKED;
+                }
+            }
+        })
+        .expect("numbers alone");
 }
 
 /// Deflection of each part, stacked.

@@ -131,6 +131,9 @@ pub enum ReproduceError {
     /// The levers failed.
     #[error(transparent)]
     Levers(#[from] DeriveError),
+    /// A change of the instrument is not possible.
+    #[error(transparent)]
+    Invalid(#[from] erard::instrument::InvalidInstrument),
     /// The instrument does not show the subject's behaviour.
     #[error("{0}")]
     Instrument(String),

@@ -85,37 +85,51 @@ fn balanced(instrument: &Instrument) -> Option<Instrument> {
     };
     let mut other = instrument.clone();
     let mass_kg = other.bodies[back].mass_kg;
-    other.bodies[back].center_of_mass_m[0] -= moment(instrument) / mass_kg;
+    other
+        .edit(|fields| fields.bodies[back].center_of_mass_m[0] -= moment(instrument) / mass_kg)
+        .expect("numbers alone");
     Some(other)
 }
 
 fn lossy(instrument: &Instrument, [eta, slip]: [f64; 2]) -> Instrument {
     let mut other = instrument.clone();
-    for zone in other.zones.iter_mut().filter(|zone| zone.name == "key_back_rail") {
-        let damping = zone.felt.loss.viscous(1.0, 0.0);
-        zone.felt.loss = moreau::Elastoplastic { damping, eta, slip }.into();
-    }
+    other
+        .edit(|fields| {
+            for zone in fields.zones.iter_mut().filter(|zone| zone.name == "key_back_rail") {
+                let damping = zone.felt.loss.viscous(1.0, 0.0);
+                zone.felt.loss = moreau::Elastoplastic { damping, eta, slip }.into();
+            }
+        })
+        .expect("numbers alone");
     other
 }
 
 /// A softer cloth that returns less.
 fn softer(instrument: &Instrument) -> Instrument {
     let mut other = instrument.clone();
-    for zone in other.zones.iter_mut().filter(|zone| zone.name == "key_back_rail") {
-        zone.felt.stiffness *= 0.1;
-        if let moreau::Loss::Iwan(law) = &mut zone.felt.loss {
-            law.damping *= 3.0;
-        }
-    }
+    other
+        .edit(|fields| {
+            for zone in fields.zones.iter_mut().filter(|zone| zone.name == "key_back_rail") {
+                zone.felt.stiffness *= 0.1;
+                if let moreau::Loss::Iwan(law) = &mut zone.felt.loss {
+                    law.damping *= 3.0;
+                }
+            }
+        })
+        .expect("numbers alone");
     other
 }
 
 /// A key whose bend loses more than wood does, as with cloth under the balance rail.
 fn dull(instrument: &Instrument) -> Instrument {
     let mut other = instrument.clone();
-    for body in other.bodies.iter_mut().filter(|body| body.is_bend && body.name == "key") {
-        body.viscous_n_m_s *= 20.0;
-    }
+    other
+        .edit(|fields| {
+            for body in fields.bodies.iter_mut().filter(|body| body.is_bend && body.name == "key") {
+                body.viscous_n_m_s *= 20.0;
+            }
+        })
+        .expect("numbers alone");
     other
 }
 
@@ -123,7 +137,9 @@ fn dull(instrument: &Instrument) -> Instrument {
 fn rubbing(instrument: &Instrument) -> Instrument {
     let mut other = instrument.clone();
     if let Some(key) = instrument.roles.key {
-        other.bodies[instrument.first_piece(key)].friction_torque_n_m *= 3.0;
+        other
+            .edit(|fields| fields.bodies[instrument.first_piece(key)].friction_torque_n_m *= 3.0)
+            .expect("numbers alone");
     }
     other
 }

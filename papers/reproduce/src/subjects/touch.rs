@@ -337,8 +337,12 @@ pub(super) fn scatter(instrument: &Instrument, progress: &mut Progress) -> Resul
     };
     let weighing = |factor: f64| {
         let mut other = instrument.clone();
-        other.bodies[hammer].mass_kg *= factor;
-        other.bodies[hammer].inertia_kg_m2 *= factor;
+        other
+            .edit(|fields| {
+                fields.bodies[hammer].mass_kg *= factor;
+                fields.bodies[hammer].inertia_kg_m2 *= factor;
+            })
+            .expect("numbers alone");
         other
     };
     let (heavier, lighter) = (weighing(1.3), weighing(0.7));

@@ -71,14 +71,18 @@ impl Case {
         progress: &mut Progress,
     ) -> Result<Instrument, ReproduceError> {
         let mut changed = instrument.clone();
-        for zone in changed.zones.iter_mut().filter(|zone| TRAIN.contains(&zone.name.as_str())) {
-            let Loss::Iwan(law) = &mut zone.felt.loss else { continue };
-            let before = 1.0 + law.eta;
-            law.damping *= self.damping;
-            law.eta *= self.eta;
-            // The curve under load stays.
-            zone.felt.stiffness *= self.stiffness / BUILT_IN * before / (1.0 + law.eta);
-        }
+        changed
+            .edit(|fields| {
+                for zone in fields.zones.iter_mut().filter(|zone| TRAIN.contains(&zone.name.as_str())) {
+                    let Loss::Iwan(law) = &mut zone.felt.loss else { continue };
+                    let before = 1.0 + law.eta;
+                    law.damping *= self.damping;
+                    law.eta *= self.eta;
+                    // The curve under load stays.
+                    zone.felt.stiffness *= self.stiffness / BUILT_IN * before / (1.0 + law.eta);
+                }
+            })
+            .expect("numbers alone");
         let mut going = |status: &Status| progress(status.share);
         Ok(regulate(&changed, goals, &Protocol::default(), &mut going).map_err(failed)?.instrument)
     }

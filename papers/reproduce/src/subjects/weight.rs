@@ -88,7 +88,9 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
     let cases: Vec<_> = metal.into_iter().chain([(SHOWN_KG, "the fingertip", grand.finger)]).chain(others).collect();
     for (n, (weight_kg, name, contact)) in cases.iter().copied().enumerate() {
         tell(progress, n as f64 / cases.len() as f64)?;
-        let laid = Laid::new(&Instrument { finger: contact, ..grand.clone() }, weight_kg)?;
+        let mut touched = grand.clone();
+        touched.edit(|fields| fields.finger = contact)?;
+        let laid = Laid::new(&touched, weight_kg)?;
         let events = &laid.run.events;
         let shown = |value: Option<f64>, digits: usize| value.map_or("-".into(), |value| format!("{value:.digits$}"));
         let number = |value: f64| Some(value).filter(|value| value.is_finite());

@@ -60,12 +60,12 @@ pub fn disturb(healthy: &Instrument, chance: &mut Chance) -> Disturbed {
         }
         // Swollen or worn pins and bushings.
         for (body, most) in [("key", 4.0), ("key_back", 4.0), ("whippen", 4.0), ("shank", 3.0), ("hammer", 3.0)] {
-            let pinned = instrument.bodies.iter_mut().find(|own| own.name == body && own.parent.is_none());
+            let pinned = instrument.bodies.iter().position(|own| own.name == body && own.parent.is_none());
             if let Some(pinned) = pinned
                 && chance.happens(SHARE / 2.0)
             {
                 let factor = if chance.happens(0.75) { chance.between(1.3, most) } else { chance.between(0.3, 0.8) };
-                pinned.friction_torque_n_m *= factor;
+                instrument.edit(|fields| fields.bodies[pinned].friction_torque_n_m *= factor).unwrap();
                 what.push(format!("friction of {body} x {factor:.1}"));
             }
         }

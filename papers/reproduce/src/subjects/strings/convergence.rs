@@ -170,8 +170,11 @@ fn converges(rungs: &[Rung]) -> (String, bool) {
 /// Share of an impact's energy lost by the scheme itself: from a head with lossless felt and strings.
 fn taken(head: &Instrument, step_s: f64) -> Result<f64, ReproduceError> {
     let mut head = head.clone();
-    head.zones[0].felt.loss = moreau::Loss::none();
-    head.strings.iter_mut().for_each(|string| (string.loss_per_s, string.loss_s) = (0.0, 0.0));
+    head.edit(|fields| {
+        fields.zones[0].felt.loss = moreau::Loss::none();
+        fields.strings.iter_mut().for_each(|string| (string.loss_per_s, string.loss_s) = (0.0, 0.0));
+    })
+    .expect("numbers alone");
     let mut thrown = head::thrown(&head, step_s, SPEED_M_PER_S)?;
     for _ in 0..(HEAD_S / step_s).round() as usize {
         thrown.step(&moreau::Input::Free);

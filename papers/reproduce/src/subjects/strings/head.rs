@@ -41,17 +41,23 @@ pub(crate) fn before(grand: &Instrument) -> Result<Instrument, ReproduceError> {
     let wrong = |text: String| ReproduceError::Instrument(text);
     let mut head = InstrumentFile::parse(FILE, "head").map_err(|error| wrong(error.to_string()))?.instrument;
     let zone = grand.roles.string.ok_or_else(|| wrong(format!("{} has no string", grand.name)))?;
-    head.zones[0].felt = grand.zones[zone].felt;
-    head.strings = grand.strings.clone();
-    head.strings.iter_mut().for_each(|string| string.damper = None);
+    head.edit(|fields| {
+        fields.zones[0].felt = grand.zones[zone].felt;
+        fields.strings = grand.strings.clone();
+        fields.strings.iter_mut().for_each(|string| string.damper = None);
+    })
+    .expect("numbers alone");
     Ok(head)
 }
 
 /// The head turned over, with a weight that keeps it on the strings.
 pub(super) fn falling(grand: &Instrument, gravity_m_s2: f64) -> Result<Instrument, ReproduceError> {
     let mut head = before(grand)?;
-    head.gravity_m_s2 = gravity_m_s2;
-    head.zones[0].curve = Curve::Line { point_m: [1.0, 0.0], normal: [0.0, 1.0] };
+    head.edit(|fields| {
+        fields.gravity_m_s2 = gravity_m_s2;
+        fields.zones[0].curve = Curve::Line { point_m: [1.0, 0.0], normal: [0.0, 1.0] };
+    })
+    .expect("numbers alone");
     Ok(head)
 }
 

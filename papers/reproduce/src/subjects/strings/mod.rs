@@ -165,7 +165,7 @@ fn bridge(section: &mut Section, progress: &mut Progress) -> Result<(), Reproduc
     let mut rates = Vec::new();
     for (n, (name, rigid)) in [("stands still", true), ("moves (six modes)", false)].into_iter().enumerate() {
         tell(progress, 0.65 + 0.025 * n as f64)?;
-        instrument.roles.rigid_bridge = rigid;
+        instrument.edit(|fields| fields.roles.rigid_bridge = rigid).expect("numbers alone");
         let mut action = rest(&instrument)?;
         let held = Input::Force(5.0);
         let mut level_after = |steps: usize| {

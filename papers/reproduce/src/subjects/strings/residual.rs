@@ -1,6 +1,6 @@
 //! Residual of the energy balance of a note with strings, over the step.
 
-use erard::instrument::Instrument;
+use erard::instrument::{Instrument, InstrumentFields};
 use erard::mechanism::{Halving, open_ledger, take_stock};
 use erard::run::{Setup, press};
 use erard::{Input, Settings};
@@ -29,7 +29,7 @@ const ROUNDING: f64 = 1e-9;
 const HEAD_M_PER_S: f64 = 2.0;
 const HEAD_S: f64 = 20e-3;
 /// Change of the grand, and halving of steps.
-type Way = (&'static str, fn(&mut Instrument), Halving);
+type Way = (&'static str, fn(&mut InstrumentFields), Halving);
 const WAYS: [Way; 3] = [
     ("halved near the string", |_| {}, Halving::AsAsked),
     ("rigid string", |grand| grand.roles.rigid_string = true, Halving::Never),
@@ -37,7 +37,7 @@ const WAYS: [Way; 3] = [
 ];
 
 /// Felts with a rate-dependent loss only.
-fn without_sliders(grand: &mut Instrument) {
+fn without_sliders(grand: &mut InstrumentFields) {
     for zone in &mut grand.zones {
         zone.felt.loss = moreau::Loss::quadratic(zone.felt.loss.viscous(1.0, 0.0));
     }
@@ -58,7 +58,7 @@ pub(crate) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section
         let part = 1.0 / WAYS.len() as f64;
         tell(progress, part * n as f64)?;
         let mut grand = builtin(NAME)?;
-        change(&mut grand);
+        grand.edit(change)?;
         let mut residual = |_, step_s: f64| {
             let settings = Settings { tolerance: TOLERANCE, ..Settings::new(step_s) };
             let setup = Setup { settings, halving, record_every: Some(u64::MAX), ..Setup::new(FOLLOWED_S) };
