@@ -111,7 +111,7 @@ pub(crate) fn told(error: &SensitivityError) -> PyErr {
             fault::simulation(error)
         }
         SensitivityError::Gradient(error) => fault::wrong(error),
-        SensitivityError::Unconverged { .. } => fault::failed(error),
         SensitivityError::Measure(error) => fault::measure(error),
+        _ => fault::failed(error),
     }
 }

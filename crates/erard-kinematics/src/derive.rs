@@ -23,6 +23,7 @@ const NOTABLE_PLAY_M: f64 = 1e-5;
 
 /// Error: three levers cannot be derived from an instrument.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DeriveError {
     /// A part is missing or is not as three levers require.
     #[error("the instrument has no three levers: {0}")]

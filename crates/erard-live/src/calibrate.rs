@@ -26,6 +26,7 @@ pub struct Readings {
 
 /// Why a key's stops are not found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StopsFault {
     /// There are too few readings of the key.
     #[error("key {key}: {found} readings; expected the key at rest for half a second, pressed and held, and let go")]

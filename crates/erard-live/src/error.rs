@@ -7,6 +7,7 @@ use erard_workshop::cores::Ending;
 
 /// Why keys cannot be played from a stream.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum LiveError {
     /// The work was interrupted, or failed on a core.
     #[error(transparent)]

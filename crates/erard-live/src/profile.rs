@@ -28,6 +28,7 @@ pub struct Profile {
 
 /// Fault of a profile.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ProfileFault {
     /// It cannot be read.
     #[error("line {line}: {what}")]

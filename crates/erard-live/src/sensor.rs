@@ -43,6 +43,7 @@ pub const CNY70: [f64; 16] = [
 
 /// Fault of a sensor's law.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum LawFault {
     /// The points do not rise from [0, 0] to [1, 1].
     Points {

@@ -61,6 +61,7 @@ pub enum Of {
 
 /// Fault of a line.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Fault {
     /// The line is not a sample.
     #[error("found `{found}`; expected three fields: time, key, value")]

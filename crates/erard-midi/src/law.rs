@@ -29,6 +29,7 @@ pub struct Table<'a>(&'a [[f64; 2]]);
 
 /// A fault in a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum LawError {
     /// There are fewer than two points.
     TooFew,

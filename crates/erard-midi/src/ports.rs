@@ -10,6 +10,7 @@ const CLIENT: &str = "erard";
 
 /// Why a port cannot be written to.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PortError {
     /// The system's MIDI cannot be reached; with its message.
     System(String),

@@ -12,6 +12,7 @@ const SOFT: f64 = 1.0;
 
 /// The faults of a note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Fault {
     /// The hammer did not meet the string.
     Silent,
@@ -233,6 +234,7 @@ impl Played {
 
 /// All notes together.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Summary {
     /// Notes.
     pub notes: usize,

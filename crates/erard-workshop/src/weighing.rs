@@ -11,6 +11,7 @@ use erard::keyboard::note_name;
 
 /// A key on the bench.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct WeighedKey {
     /// Number of the key, from 1.
     pub key: usize,

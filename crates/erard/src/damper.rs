@@ -22,6 +22,7 @@ const SHARE: f64 = 0.01;
 
 /// Why the height cannot be found.
 #[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
 pub enum DamperError {
     /// The instrument is not a grand action.
     #[error(transparent)]

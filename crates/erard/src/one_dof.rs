@@ -19,6 +19,7 @@ use crate::player::{Action, ActionError};
 
 /// Why no one-degree-of-freedom model follows from an instrument.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum OneDofError {
     /// No key.
     #[error("the instrument has no `roles.key`; expected the body to which the action is reduced")]

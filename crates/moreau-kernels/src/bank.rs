@@ -17,6 +17,7 @@ use crate::{Impact, OwnedDescription, Probes, Size};
 
 /// Report of one step of a bank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct Tick {
     /// Number of mechanisms that were stepped; the others slept.
     pub stepped: u32,

@@ -312,7 +312,7 @@ impl From<DrivingError> for Failure {
             DrivingError::NoKeyPosition { title } => format!(
                 "{title}: --drive rigid needs the key's position; found the fingertip's and no force. Use --drive motion, or add a column `force_N`"
             ),
-            error @ (DrivingError::Samples { .. } | DrivingError::Pulls { .. }) => error.to_string(),
+            error => error.to_string(),
         })
     }
 }

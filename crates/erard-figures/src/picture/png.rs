@@ -15,6 +15,7 @@ const LETTERS: f64 = 12.0;
 
 /// Why a picture could not be turned into a PNG.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum PngError {
     /// The picture would be empty or too large.
     Size {

@@ -53,6 +53,7 @@ impl Pose {
 
 /// Error: the first fault found in a [`Linkage`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum AssembleError {
     /// Two coordinates, lengths or angles share a name.
     #[error("the symbol `{0}` is used twice; every length, angle and coordinate needs its own")]

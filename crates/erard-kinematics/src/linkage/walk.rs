@@ -19,6 +19,7 @@ const NEARLY_SINGULAR: f64 = 1e-4;
 
 /// Error: a walk cannot begin.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StartError {
     /// Newton-Raphson found no pose from the guess.
     #[error(

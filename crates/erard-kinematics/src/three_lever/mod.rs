@@ -97,6 +97,7 @@ pub enum Drive {
 
 /// Error: three levers cannot be put together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ThreeLeverError {
     /// A dimension is infinite or not a number.
     #[error("{0} is not a finite number")]

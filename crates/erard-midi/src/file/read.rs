@@ -18,6 +18,7 @@ const PERCUSSION: u8 = 9;
 
 /// Why a file is not read.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ReadError {
     /// The file is not a Standard MIDI File, or is damaged; with the reason.
     Syntax(String),

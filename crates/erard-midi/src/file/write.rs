@@ -20,6 +20,7 @@ const MOST_TICKS: u64 = (1 << 28) - 1;
 
 /// Why a piece cannot be written.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum WriteError {
     /// A note, from 0 in the order of the piece, is on no key, or its instants are not finite, begin before 0 or do not
     /// ascend.

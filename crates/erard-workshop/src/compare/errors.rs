@@ -41,6 +41,7 @@ pub struct Rest {
 
 /// Errors in one frequency band.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Band {
     /// Lower edge, Hz.
     pub from_hz: f64,

@@ -169,6 +169,7 @@ impl Trial {
 
 /// Measured stroke with its simulated runs.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Comparison {
     /// Common time axis, s.
     pub time_s: Vec<f64>,
@@ -210,6 +211,7 @@ pub const MAX_DURATION_S: f64 = 250.0;
 
 /// Reason why a comparison cannot be made.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum CompareError {
     /// The measured series is too short.
     #[error("the recording lasts {found_s:.4} s; expected at least {least_s} s")]

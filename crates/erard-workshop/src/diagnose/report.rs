@@ -84,6 +84,7 @@ pub struct Suggestion {
 
 /// The answer.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Diagnosis {
     /// The key, from 1.
     pub key: usize,

@@ -10,6 +10,7 @@ use erard::player::{Action, ActionError, Input};
 
 /// Reason why nothing could be measured.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum DistanceError {
     /// The instrument is no grand action.
     #[error(transparent)]

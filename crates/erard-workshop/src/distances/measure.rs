@@ -35,6 +35,7 @@ impl Default for Protocol {
 
 /// Distances, SI units; `None` if the event did not happen or the instrument has no such part.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Distances {
     /// Dip: travel of the key front from rest to the bottom under a firm press ([`Protocol::firm_n`]), m.
     pub dip_m: Option<f64>,

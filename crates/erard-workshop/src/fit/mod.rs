@@ -51,6 +51,7 @@ use thiserror::Error;
 
 /// Reason why a fit is impossible.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum FitError {
     /// An argument is wrong.
     #[error("{argument}: {message}")]

@@ -31,6 +31,7 @@ pub struct Meaning {
 /// Result of a fit. Vectors follow the order of the `parameters`; those in the solver's coordinates end with the
 /// delays, ms. Covariances are symmetric.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct FitResult {
     /// Fitted parameters.
     pub parameters: Vec<FitParameter>,

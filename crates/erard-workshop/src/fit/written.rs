@@ -11,6 +11,7 @@ const SOURCE: &str = "fitted";
 
 /// Why the fitted instrument cannot be written.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum WriteError {
     /// The text cannot be changed.
     #[error(transparent)]

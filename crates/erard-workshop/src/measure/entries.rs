@@ -19,6 +19,7 @@ const MAX_LOOP_POINTS: usize = 600;
 /// them; `None` (JSON `null`) if the event did not happen or the part is missing.
 #[derive(Debug, Clone, Serialize)]
 #[allow(non_snake_case)]
+#[non_exhaustive]
 pub struct Sheet {
     /// Instrument name.
     pub instrument: String,

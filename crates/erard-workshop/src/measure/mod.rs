@@ -39,6 +39,7 @@ use erard::run::SimulationError;
 
 /// Why an instrument cannot be measured.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum MeasureError {
     /// The instrument has nothing to measure.
     #[error("cannot be measured as a piano action: {0}")]

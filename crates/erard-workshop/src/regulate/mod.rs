@@ -27,6 +27,7 @@ use crate::distances::DistanceError;
 
 /// Reason why an action could not be regulated.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum RegulateError {
     /// A goal needs a screw that the instrument does not have.
     #[error("the instrument has no screw for {goal}: it needs one called {needs}")]

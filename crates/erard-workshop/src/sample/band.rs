@@ -4,6 +4,7 @@ use super::SampleError;
 
 /// Range of a value in nine of ten samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Band {
     /// 5 % quantile of the value.
     pub low: f64,

@@ -33,6 +33,7 @@ const ATTEMPTS: u32 = 40;
 
 /// Reason why there is no sample.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SampleError {
     /// No number of the file has a spread.
     #[error("{file}: no number has a `spread` or `spread_factor`; expected one at least to draw samples from")]

@@ -9,6 +9,7 @@ use crate::measure::MeasureError;
 
 /// Reason why there are no derivatives.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SensitivityError {
     /// Differentiation failed.
     #[error(transparent)]

@@ -52,6 +52,7 @@ enum Target {
 
 /// Reason why a number cannot be a variable.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum VariableError {
     /// The name is unknown.
     #[error(

@@ -15,6 +15,7 @@ pub struct Sampling {
 /// Error for an unknown column.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("there is no column `{name}`; expected {}", .known.join(", "))]
+#[non_exhaustive]
 pub struct SamplingError {
     /// The unknown name.
     pub name: String,

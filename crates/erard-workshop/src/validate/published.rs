@@ -94,6 +94,7 @@ pub struct Row {
 
 /// Reason why a table cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum PublishedError {
     /// The file is not a table of this format.
     #[error("{0}")]

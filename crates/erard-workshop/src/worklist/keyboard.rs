@@ -82,6 +82,7 @@ pub struct KeyLine {
 
 /// Work list of a keyboard.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct KeyboardList {
     /// Plan with the results of the weights, key by key.
     pub plan: Plan,

@@ -40,6 +40,7 @@ use crate::regulate::RegulateError;
 
 /// Reason why no list could be worked out.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum WorklistError {
     /// The screws could not be tried.
     #[error(transparent)]

@@ -5,6 +5,7 @@ use crate::instrument::{Instrument, Zone};
 
 /// A part that a grand action needs for regulation is missing or misplaced.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum AnatomyError {
     /// A role that nothing has.
     #[error("the instrument cannot be measured as a grand action: `roles` names no `{role}`")]

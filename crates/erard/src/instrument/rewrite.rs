@@ -14,6 +14,7 @@ const SOURCE: &str = "regulated";
 /// Reason why a file cannot be rewritten. The text was read successfully before, so none of these is the user's
 /// mistake.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RewriteError {
     /// The text is not TOML.
     #[error("the instrument file cannot be rewritten: {0}")]

@@ -34,6 +34,7 @@ pub struct KeysError {
 
 /// An impact of a key's hammer on its string.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct KeyImpact {
     /// The key, from 1.
     pub key: usize,

@@ -37,6 +37,7 @@ pub enum ActionError {
 
 /// Why [`Action::play`] ended before its inputs did.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PlayError {
     /// The caller asked to stop.
     #[error("interrupted")]

@@ -24,6 +24,7 @@ pub(crate) const UNSOLVED_STEPS: u32 = 200;
 
 /// Why there is no rest to start from.
 #[derive(Debug, Clone, Error)]
+#[non_exhaustive]
 pub enum EquilibriumError {
     /// The mechanism keeps moving.
     #[error(

@@ -71,6 +71,7 @@ impl Preparation {
 
 /// Why a recording cannot be prepared.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PrepareError {
     /// The order of the filter.
     #[error("the order of the low-pass is {0}; expected 1 to 10")]

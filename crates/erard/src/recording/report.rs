@@ -6,6 +6,7 @@ use super::noise::{Noise, Whence, range};
 
 /// All channels, in the order of their roles.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Report {
     /// The channels.
     pub channels: Vec<ChannelReport>,
@@ -33,6 +34,7 @@ pub struct Filtered {
 
 /// One channel. SI units: N, m or m/s.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ChannelReport {
     /// Quantity of the channel.
     pub role: Role,

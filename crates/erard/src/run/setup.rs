@@ -47,6 +47,7 @@ pub struct Setup {
 
 /// Why a run could not be made.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum SimulationError {
     /// The step is out of range.
     #[error("the step is {found} s; expected a number from {SMALLEST_STEP_S:e} to {LARGEST_STEP_S:e} s")]

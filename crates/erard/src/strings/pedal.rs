@@ -59,6 +59,7 @@ pub struct Pedal {
 
 /// Why a text is no [`Pedal`].
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PedalError {
     /// Not a lift.
     #[error("pedal `{found}`: expected a lift from 0 to {} mm, e.g. 7mm, or instants with lifts, e.g. 0s=0mm,0.5s=7mm", 1e3 * PEDAL_MOST_M)]

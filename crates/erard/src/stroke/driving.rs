@@ -54,6 +54,7 @@ impl Prescribed {
 
 /// Why a recording cannot drive in the requested way.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DrivingError {
     /// The prescribed quantity was not recorded.
     #[error("{title}: driving by {} needs a column `{}`; there is none", .drive.name(), .drive.column())]

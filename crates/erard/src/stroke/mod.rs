@@ -175,6 +175,7 @@ impl Cursor {
 
 /// Why samples cannot be interpolated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SampleError {
     /// One sample says nothing about motion.
     #[error("a series needs two samples or more")]

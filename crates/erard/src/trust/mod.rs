@@ -103,6 +103,7 @@ impl Kind {
 
 /// A bound that a run has exceeded.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Warning {
     /// Kind of doubt.
     pub kind: Kind,

@@ -102,6 +102,7 @@ impl<T: Real, const B: usize, const N: usize> Impulses<T, B, N> {
 
 /// Outcome of a solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct SolveReport {
     /// Whether the tolerance was met.
     pub converged: bool,

@@ -70,6 +70,7 @@ pub enum SwitchKind {
 
 /// Report of a step with derivatives.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct TangentReport {
     /// Switches at which the derivatives jumped.
     pub switches: u32,
