@@ -40,7 +40,34 @@ const CALLS: &[(&str, &[&[&str]])] = &[
         ],
     ),
     ("draw", &[&["draw"], &["draw", "--at", "let-off"]]),
-    ("study", &[&["study", "--vary", "force=0.1,5", "--duration", "0.1"]]),
+    (
+        "study",
+        &[
+            &["study", "--vary", "force=0.1,5", "--duration", "0.1"],
+            &["study", "--vary", "let_off=+0mm,0.1mm", "--measure", "key_ratio", "--force-step", "5", "--single"],
+            &["study", "--vary", "repetition_spring=+0,-99Nmm", "--force-step", "5", "--duration", "0.1"],
+            &["study", "--vary", "key=1,88", "--stroke", "p", "--duration", "0.1"],
+        ],
+    ),
+    (
+        "study-bands",
+        &[
+            &["study", "--vary", "let_off=+0mm,0.1mm", "--force-step", "5", "--duration", "0.05", "--bands=2"],
+            // The second of these can be played, and not measured.
+            &[
+                "study",
+                "--vary",
+                "capstan_height=+0mm,20mm",
+                "--measure",
+                "key_ratio",
+                "--force-step",
+                "5",
+                "--duration",
+                "0.05",
+                "--bands=2",
+            ],
+        ],
+    ),
     (
         "study-sensitivities",
         &[
@@ -61,12 +88,27 @@ const CALLS: &[(&str, &[&[&str]])] = &[
         "measure-many",
         &[
             &["measure", "heavy-touch", "--only", "down_weight_g,key_ratio"],
+            &["measure", "heavy-touch", "--only", "front_weight_g"],
+            // The highest key cannot be measured.
+            &["measure", "stuck.toml:key=40,88", "--only", "down_weight_g,key_ratio"],
             &["measure", "concert-grand:key=1,88", "--only", "down_weight_g,key_ratio"],
         ],
     ),
-    ("measure-bands", &[&["measure", "--bands=2", "--only", "down_weight_g"]]),
-    ("keyboard", &[&["keyboard", "--every", "60"]]),
-    ("keyboard-two", &[&["keyboard", "concert-grand", "heavy-touch", "--every", "60"]]),
+    (
+        "measure-bands",
+        &[
+            &["measure", "--bands=2", "--only", "down_weight_g"],
+            &["measure", "concert-grand:key=88", "--bands=2", "--only", "key_ratio,dip_mm"],
+        ],
+    ),
+    ("keyboard", &[&["keyboard", "--every", "60"], &["keyboard", "stuck.toml", "--every", "87"]]),
+    (
+        "keyboard-two",
+        &[
+            &["keyboard", "concert-grand", "heavy-touch", "--every", "60"],
+            &["keyboard", "concert-grand", "stuck.toml", "--every", "87"],
+        ],
+    ),
     (
         "text",
         &[
@@ -93,7 +135,8 @@ const CALLS: &[(&str, &[&[&str]])] = &[
         ],
     ),
     ("regulate", &[&["regulate", "mine.toml", "--let-off", "2mm", "--out", "regulated.toml", "--force"]]),
-    ("validate", &[&["validate"]]),
+    ("validate", &[&["validate"], &["validate", "--instrument", "heavy-touch"]]),
+    ("validate-bands", &[&["validate", "--bands=2"]]),
     (
         "check",
         &[
@@ -114,6 +157,8 @@ const CALLS: &[(&str, &[&[&str]])] = &[
             &["compare", "run/run.csv"],
             &["compare", "key.csv", "--no-pictures"],
             &["compare", "noisy.csv", "--no-pictures"],
+            &["compare", "run/run.csv", "--instrument", "heavy-touch", "--drive", "rigid", "--model", "action"],
+            &["compare", "run/run.csv", "--way-up", "--drive", "force,motion", "--model", "one-dof", "--no-pictures"],
         ],
     ),
     (
@@ -138,6 +183,34 @@ const CALLS: &[(&str, &[&[&str]])] = &[
                 "--duration=0.05",
                 "--sigma=force=0.02N,position=10um,hammer=50um",
                 "--delays",
+                "--restarts=0",
+                "--no-pictures",
+            ],
+            // Two recordings, driven by their motion.
+            &[
+                "fit",
+                "concert-grand-rigid",
+                "run/run.csv",
+                "soft/run.csv",
+                "--vary=body.hammer.mass",
+                "--bounds=body.hammer.mass=x0.9..1.1",
+                "--start=body.hammer.mass=x1.02",
+                "--drive=rigid",
+                "--compare=hammer",
+                "--loss=soft_l1",
+                "--duration=0.05",
+                "--restarts=0",
+                "--no-pictures",
+            ],
+            &[
+                "fit",
+                "concert-grand-rigid",
+                "run/run.csv",
+                "--vary=body.hammer.mass",
+                "--jacobian=gradient",
+                "--compare=position,hammer",
+                "--sigma=position=10um,hammer=50um",
+                "--duration=0.04",
                 "--restarts=0",
                 "--no-pictures",
             ],
@@ -190,7 +263,7 @@ fn home(name: &str) -> PathBuf {
 const MAPS: [&str; 2] = ["options", "table"];
 
 /// Texts that may be null.
-const NULLABLE: [&str; 5] = ["commit", "file", "sha256", "likely_reason", "set_by"];
+const NULLABLE: [&str; 6] = ["commit", "error", "file", "sha256", "likely_reason", "set_by"];
 
 /// The schema of all these values, which stand under the same key.
 fn infer(values: &[&Value], key: &str) -> Value {
@@ -236,10 +309,12 @@ fn quick_commands_answer_by_their_schemas() {
 }
 
 /// Commands that take more than ten seconds on a busy machine.
-const SLOWEST: [&str; 9] = [
+const SLOWEST: [&str; 11] = [
     "study-sensitivities",
+    "study-bands",
     "keyboard-weigh",
     "validate",
+    "validate-bands",
     "fit",
     "measure",
     "measure-two",
@@ -284,6 +359,29 @@ fn new_files(folder: &Folder, before: &BTreeMap<String, SystemTime>) -> Vec<Stri
     after.into_keys().collect()
 }
 
+/// Whether an answer holds a whole report, as its own fields, as one of them, or as a field of each of its instruments.
+fn holds(answer: &Value, mut report: Value) -> bool {
+    let first = if report.is_array() { report.get_mut(0) } else { Some(&mut report) };
+    first.and_then(Value::as_object_mut).map(|fields| fields.remove("made_by"));
+    let fields = answer.as_object().unwrap();
+    let instruments = fields.get("instruments").and_then(Value::as_array).into_iter().flatten();
+    let nested: Vec<Value> = instruments.filter_map(|one| one.get("sheet").cloned()).collect();
+    is_within(&report, answer) || fields.values().any(|field| is_within(&report, field)) || report == json!(nested)
+}
+
+/// Whether a value has all fields of another, and else the same content.
+fn is_within(part: &Value, whole: &Value) -> bool {
+    match (part, whole) {
+        (Value::Object(part), Value::Object(whole)) => {
+            part.iter().all(|(key, value)| whole.get(key).is_some_and(|own| is_within(value, own)))
+        }
+        (Value::Array(part), Value::Array(whole)) => {
+            part.len() == whole.len() && part.iter().zip(whole).all(|(part, whole)| is_within(part, whole))
+        }
+        _ => part == whole,
+    }
+}
+
 #[test]
 #[ignore = "ci: commands that compare, study, calibrate and play"]
 fn slow_commands_answer_by_their_schemas() {
@@ -317,6 +415,9 @@ fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
     folder.file("sensed.csv", &crate::live::sensed("mm", 0.0, 9.9));
     folder.file("readings.csv", &crate::live::sensed("raw", 3000.0, 1000.0));
     folder.file("weighed.csv", crate::weigh::FEW_KEYS);
+    folder.file("stuck.toml", crate::keyboard::STUCK);
+    folder.file("grand.toml", include_str!("../../../../instruments/concert-grand.toml"));
+    folder.good(&["press", "--stroke", "p", "--out", "soft"]);
     folder.file("liberard.so", crate::fmu::LIBRARY);
     std::fs::write(folder.0.join("two.mid"), crate::play::two_notes()).unwrap();
     let mut without: Vec<&str> = Vec::new();
@@ -339,6 +440,10 @@ fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
                 named.sort_unstable();
                 let new = new_files(&folder, &before);
                 assert_eq!(named, new.iter().map(|name| &name[..]).collect::<Vec<_>>(), "{call:?}");
+                for report in named.iter().filter(|name| name.ends_with(".json") && !name.ends_with("-metadata.json")) {
+                    let report: Value = serde_json::from_str(&folder.read(report)).unwrap();
+                    assert!(holds(&answer, report), "{call:?}: the answer lacks what {named:?} say");
+                }
                 answer
             })
             .collect();

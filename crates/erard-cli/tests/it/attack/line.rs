@@ -138,7 +138,11 @@ impl Line {
             "study" if self.has("--sensitivities") => "study-sensitivities",
             "press" if answer.get("runs").is_some() => "press-two",
             "measure" if answer.get("bands").is_some() => "measure-bands",
+            "measure" if answer["instruments"][0].get("timing").is_some() => "measure-two",
             "measure" if answer.get("instruments").is_some() => "measure-many",
+            "study" if answer.get("failed_samples").is_some() => "study-bands",
+            "validate" if answer.get("failed_samples").is_some() => "validate-bands",
+            "keyboard" if answer.get("names").is_some() => "keyboard-two",
             own => own,
         }
     }
