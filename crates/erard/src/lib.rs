@@ -45,6 +45,7 @@ pub mod saved;
 pub mod strings;
 pub mod stroke;
 pub mod trust;
+mod units;
 
 pub use instrument::Instrument;
 pub use mechanism::Impact;

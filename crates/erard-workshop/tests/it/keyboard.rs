@@ -217,7 +217,7 @@ fn wrong_files_are_told() {
         (
             "instrument_key = 40",
             "instrument_key = 89",
-            "`instrument_key`: not a key of a piano (found `89`, expected a number from 1 to 88)",
+            "`instrument_key`: not a key of a piano (found `89`, expected a number from 1 to 88, or a note from A0 to C8)",
         ),
         ("instrument_key = 40", "instrument_key = 41", "the instrument's own key would differ from the instrument"),
         ("body = \"hammer\"", "body = \"hamer\"", "no such body (found `\"hamer\"`"),

@@ -9,14 +9,14 @@ use super::format::{
     BodyToml, DiscToml, FORMAT, InstrumentToml, OneDofToml, PartToml, RolesToml, ScrewSide, ScrewToml, SpringToml,
     ZoneToml,
 };
-use super::quantity::{At, Num, Pair, Positive, Real};
+use super::quantity::{At, KeyName, Num, Pair, Positive, Real};
 use super::reader::{G_PER_KG, GROUND, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name, title};
 use super::strings::{read_bridge, read_strings};
 use super::{
     Body, Curve, Dwell, Finger, Instrument, InstrumentFields, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS,
     MAX_SPRINGS, MAX_ZONES, Origin, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
 };
-use crate::key::KEYS;
+use crate::key::{EXPECTED, key_named};
 
 /// Relative amount by which an inertia may be below that of a point mass at the centre of mass; it allows for rounded
 /// decimals only.
@@ -97,11 +97,8 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
 }
 
 /// Reads the number of a key.
-pub(crate) fn key_number(key: &At<i64>) -> Result<usize, Fault> {
-    usize::try_from(**key)
-        .ok()
-        .filter(|key| (1..=KEYS).contains(key))
-        .ok_or_else(|| Fault::at(key.span(), "not a key of a piano", format!("a number from 1 to {KEYS}")))
+pub(crate) fn key_number(key: &At<KeyName>) -> Result<usize, Fault> {
+    key_named(&key.0).ok_or_else(|| Fault::at(key.span(), "not a key of a piano", EXPECTED))
 }
 
 fn sample_number(sample: &At<i64>) -> Result<u32, Fault> {

@@ -2,6 +2,8 @@
 
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value, value};
 
+use super::from_toml::typed_number_at;
+
 /// Certainty of every number that is written, because the program computed it.
 const CERTAINTY: &str = "estimate";
 
@@ -21,10 +23,14 @@ pub(crate) fn find<'d>(table: &'d mut dyn TableLike, path: &[&str]) -> Option<&'
     }
 }
 
-/// Returns a number, or the components of a vector, bare or cited.
-pub(crate) fn numbers(item: &Item) -> Option<Vec<f64>> {
+/// Returns a number, or the components of a vector, bare or cited, in the unit at the end of its key. `key` may be the
+/// path that leads to it.
+pub(crate) fn numbers(item: &Item, key: &str) -> Option<Vec<f64>> {
     let item = item.as_table_like().map_or(Some(item), |cited| cited.get("value"))?;
-    let number = |value: &Value| value.as_float().or_else(|| value.as_integer().map(|n| n as f64));
+    let number = |value: &Value| match value {
+        Value::String(text) => typed_number_at(text.value(), key),
+        value => value.as_float().or_else(|| value.as_integer().map(|n| n as f64)),
+    };
     match item.as_value()? {
         Value::Array(array) => array.iter().map(number).collect(),
         single => Some(vec![number(single)?]),

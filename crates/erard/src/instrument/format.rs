@@ -10,7 +10,7 @@ use serde::Deserialize;
 
 use super::felt::FeltToml;
 use super::provenance::{Certainty, Source};
-use super::quantity::{At, NonNegative, Num, Pair, Part, Positive, Real};
+use super::quantity::{At, KeyName, NonNegative, Num, Pair, Part, Positive, Real};
 use super::{
     MAX_BODIES, MAX_BRIDGE_MODES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS, MAX_SPRINGS, MAX_STRINGS, MAX_ZONES, Material,
 };
@@ -22,7 +22,8 @@ pub(crate) const FORMAT: &str = "erard-instrument/1";
 ///
 /// Lengths are in millimetres, masses in grams, angles in degrees. x points to the back of the piano and y up, angles
 /// are counter-clockwise, and the player sits at negative x. A number is bare or carries its provenance: `mass_g = 140`
-/// or `mass_g = { value = 140, source = "...", certainty = "estimate" }`.
+/// or `mass_g = { value = 140, source = "...", certainty = "estimate" }`. In quotes it has any unit of its quantity:
+/// `mass_g = "0.3oz"`, `point_mm = ["1/16in", 0]`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Erard instrument file")]
@@ -34,8 +35,8 @@ pub(crate) struct InstrumentToml {
     pub name: At<String>,
     /// Description of the instrument, for people.
     pub description: Option<String>,
-    /// Key of the piano that the instrument is, 1 (A0) to 88 (C8); it selects the usual ranges.
-    pub key: Option<At<i64>>,
+    /// Key of the piano that the instrument is, 1 to 88 or a note from "A0" to "C8"; it selects the usual ranges.
+    pub key: Option<At<KeyName>>,
     /// Number of the random sample that the file was drawn as, from 1.
     pub sample: Option<At<i64>>,
     /// Acceleration of gravity, m/s2; it acts downward.

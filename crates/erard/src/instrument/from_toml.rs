@@ -18,6 +18,8 @@ use serde_spanned::de::is_spanned;
 use toml::Spanned;
 use toml::de::{DeFloat, DeInteger, DeTable, DeValue};
 
+use crate::units::{NumberError, Quantity};
+
 /// Key under which `serde` receives a date, as from `toml`. A date is neither a number nor a text.
 const DATE: &str = "$__toml_private_datetime";
 
@@ -29,6 +31,8 @@ pub struct TomlError {
     pub message: String,
     /// Byte range of the text, if it is known.
     pub span: Option<Range<usize>>,
+    /// Expected text, if the message does not state it.
+    pub expected: Option<String>,
 }
 
 impl TomlError {
@@ -53,7 +57,7 @@ impl TomlError {
 
 impl Error for TomlError {
     fn custom<T: Display>(message: T) -> Self {
-        TomlError { message: message.to_string(), span: None }
+        TomlError { message: message.to_string(), span: None, expected: None }
     }
 }
 
@@ -89,7 +93,10 @@ impl<'a> Document<'a> {
     /// The text is not TOML.
     pub(crate) fn parse(text: &'a str) -> Result<Self, TomlError> {
         let table = DeTable::parse(text);
-        table.map(Document).map_err(|error| TomlError { message: error.message().to_owned(), span: error.span() })
+        table.map(Document).map_err(|error| {
+            let (message, span) = (error.message().to_owned(), error.span());
+            TomlError { message, span, expected: None }
+        })
     }
 
     /// Reads the document into a type.
@@ -130,6 +137,7 @@ impl<'a> Document<'a> {
     /// A number, or the components of a vector, bare or cited.
     pub(crate) fn numbers(&'a self, path: &str) -> Option<Vec<f64>> {
         let number = |value: &Spanned<DeValue<'_>>| match value.get_ref() {
+            DeValue::String(text) => typed_number_at(text, path),
             DeValue::Float(number) => float(number).ok(),
             DeValue::Integer(number) => i64::from_str_radix(number.as_str(), number.radix()).ok().map(|n| n as f64),
             _ => None,
@@ -154,9 +162,34 @@ impl<'a> Document<'a> {
     }
 }
 
+/// Name by which a type asks for a number that may be cited, or typed as text with its unit.
+pub(crate) const NUMBER: &str = "$erard_number";
+
+/// Reads a number that is typed as text with its unit, in the unit at the end of the first of these keys that ends with
+/// one. `None` if none does: the number has no unit.
+fn typed_number(text: &str, keys: &[&str]) -> Option<Result<f64, NumberError>> {
+    let (quantity, unit) = keys.iter().find_map(|key| Quantity::of_name(key))?;
+    Some(quantity.read_with_unit(text, unit.symbol))
+}
+
+/// Reads a number that is typed as text at a path; `None` if it is none.
+pub(crate) fn typed_number_at(text: &str, path: &str) -> Option<f64> {
+    let keys: Vec<&str> = path.rsplit('.').collect();
+    typed_number(text, &keys)?.ok()
+}
+
+/// Keys that lead to a value, from its own outward; its unit is at the end of one of them.
+type Keys<'a> = [&'a str; 3];
+
+/// Keys of a value in a table. A cited number has the unit of its table's key, and so has its spread.
+fn keys_within<'a>(key: &'a str, table: &DeTable<'a>, [own, outer, _]: Keys<'a>) -> Keys<'a> {
+    let is_apart = table.contains_key("value") && !matches!(key, "value" | "spread");
+    if is_apart { [key, "", ""] } else { [key, own, outer] }
+}
+
 /// A piece of a document that `serde` can read into a type.
 enum Node<'a> {
-    Value(&'a Spanned<DeValue<'a>>, &'a Replaced),
+    Value(&'a Spanned<DeValue<'a>>, &'a Replaced, Keys<'a>),
     Table(&'a DeTable<'a>, Range<usize>, &'a Replaced),
     /// A key or another text.
     Text(&'a str),
@@ -167,7 +200,7 @@ enum Node<'a> {
 impl<'a> Node<'a> {
     fn span(&self) -> Range<usize> {
         match self {
-            Node::Value(value, _) => value.span(),
+            Node::Value(value, ..) => value.span(),
             Node::Table(_, span, _) => span.clone(),
             Node::Text(_) | Node::Place(_) => 0..0,
         }
@@ -185,24 +218,24 @@ impl<'a> Node<'a> {
         }
     }
 
-    fn table(&self) -> Option<(&'a DeTable<'a>, &'a Replaced)> {
+    fn table(&self) -> Option<(&'a DeTable<'a>, &'a Replaced, Keys<'a>)> {
         match self {
-            Node::Table(table, _, replaced) => Some((table, replaced)),
-            Node::Value(value, replaced) => value.get_ref().as_table().map(|table| (table, *replaced)),
+            Node::Table(table, _, replaced) => Some((table, replaced, [""; 3])),
+            Node::Value(value, replaced, keys) => value.get_ref().as_table().map(|table| (table, *replaced, *keys)),
             _ => None,
         }
     }
 
     /// What this node is. Not generic, so that it is compiled once and not for every type of a file.
     fn seen(&self) -> Result<Seen<'a>, TomlError> {
-        if let Some((table, replaced)) = self.table() {
-            return Ok(Seen::Pairs(Pairs::table(table, replaced)));
+        if let Some((table, replaced, keys)) = self.table() {
+            return Ok(Seen::Pairs(Pairs::table(table, replaced, keys)));
         }
         Ok(match self {
             Node::Text(text) => Seen::Text(text),
             Node::Place(place) => Seen::Place(*place as u64),
-            Node::Table(table, _, replaced) => Seen::Pairs(Pairs::table(table, replaced)),
-            Node::Value(value, replaced) => match value.get_ref() {
+            Node::Table(table, _, replaced) => Seen::Pairs(Pairs::table(table, replaced, [""; 3])),
+            Node::Value(value, replaced, keys) => match value.get_ref() {
                 DeValue::Integer(_) | DeValue::Float(_) if replaced.numbers.contains_key(&place(value)) => {
                     Seen::Float(replaced.numbers[&place(value)])
                 }
@@ -210,15 +243,40 @@ impl<'a> Node<'a> {
                 DeValue::Integer(number) => integer(number)?,
                 DeValue::Float(number) => Seen::Float(float(number)?),
                 DeValue::Boolean(value) => Seen::Boolean(*value),
-                DeValue::Array(items) => Seen::Items(Items(items.iter(), replaced)),
-                DeValue::Table(table) => Seen::Pairs(Pairs::table(table, replaced)),
+                DeValue::Array(items) => Seen::Items(Items(items.iter(), replaced, *keys)),
+                DeValue::Table(table) => Seen::Pairs(Pairs::table(table, replaced, *keys)),
                 DeValue::Datetime(_) => Seen::Pairs(Pairs::date()),
             },
         })
     }
 
-    fn visit<V: Visitor<'a>>(&self, visitor: V) -> Result<V::Value, TomlError> {
-        match self.seen()? {
+    /// [`Node::seen`] where a number is expected: it may be typed as text.
+    fn seen_number(&self) -> Result<Seen<'a>, TomlError> {
+        let Node::Value(value, replaced, keys) = self else { return self.seen() };
+        let DeValue::String(text) = value.get_ref() else { return self.seen() };
+        if let Some(number) = replaced.numbers.get(&place(value)) {
+            return Ok(Seen::Float(*number));
+        }
+        let (message, expected) = match typed_number(text, keys) {
+            Some(Ok(number)) => return Ok(Seen::Float(number)),
+            // The type says which numbers it takes.
+            None | Some(Err(NumberError::Text { .. })) => return self.seen(),
+            Some(Err(NumberError::Unit { unit, known, .. })) => (format!("`{unit}` is not one of its units"), known),
+            Some(Err(NumberError::NoUnit { example, known, .. })) => {
+                ("a number in quotes needs its unit".to_owned(), format!("`{example}` (units: {known})"))
+            }
+            Some(Err(NumberError::Comma { decimal, thousands, .. })) => {
+                ("this comma may have two meanings".to_owned(), format!("`{decimal}` or `{thousands}`"))
+            }
+            Some(Err(error)) => (error.to_string(), String::new()),
+        };
+        Err(TomlError { message, span: Some(value.span()), expected: Some(expected) })
+    }
+}
+
+impl<'a> Seen<'a> {
+    fn visit<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, TomlError> {
+        match self {
             Seen::Text(text) => visitor.visit_borrowed_str(text),
             Seen::Place(place) => visitor.visit_u64(place),
             Seen::Float(number) => visitor.visit_f64(number),
@@ -266,7 +324,7 @@ impl<'a> Deserializer<'a> for Node<'a> {
     type Error = TomlError;
 
     fn deserialize_any<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, TomlError> {
-        self.visit(visitor).map_err(self.blamed())
+        self.seen().and_then(|seen| seen.visit(visitor)).map_err(self.blamed())
     }
 
     fn deserialize_option<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, TomlError> {
@@ -274,9 +332,16 @@ impl<'a> Deserializer<'a> for Node<'a> {
         visitor.visit_some(self).map_err(blamed)
     }
 
-    fn deserialize_newtype_struct<V: Visitor<'a>>(self, _: &'static str, visitor: V) -> Result<V::Value, TomlError> {
+    fn deserialize_newtype_struct<V: Visitor<'a>>(self, name: &'static str, visitor: V) -> Result<V::Value, TomlError> {
         let blamed = self.blamed();
+        if name == NUMBER {
+            return self.deserialize_f64(visitor);
+        }
         visitor.visit_newtype_struct(self).map_err(blamed)
+    }
+
+    fn deserialize_f64<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, TomlError> {
+        self.seen_number().and_then(|seen| seen.visit(visitor)).map_err(self.blamed())
     }
 
     fn deserialize_struct<V: Visitor<'a>>(
@@ -297,7 +362,7 @@ impl<'a> Deserializer<'a> for Node<'a> {
         let blamed = self.blamed();
         let text: Option<&str> = match &self {
             Node::Text(text) => Some(text),
-            Node::Value(value, _) => value.get_ref().as_str(),
+            Node::Value(value, ..) => value.get_ref().as_str(),
             _ => None,
         };
         let found = match (text, self.table()) {
@@ -305,8 +370,8 @@ impl<'a> Deserializer<'a> for Node<'a> {
                 let text: StrDeserializer<TomlError> = text.into_deserializer();
                 visitor.visit_enum(text)
             }
-            (None, Some((table, replaced))) if table.len() == 1 => {
-                visitor.visit_enum(MapAccessDeserializer::new(Pairs::table(table, replaced)))
+            (None, Some((table, replaced, keys))) if table.len() == 1 => {
+                visitor.visit_enum(MapAccessDeserializer::new(Pairs::table(table, replaced, keys)))
             }
             (None, Some(_)) => Err(TomlError::custom("wanted exactly 1 element")),
             (None, None) => Err(TomlError::custom("wanted string or table")),
@@ -316,19 +381,19 @@ impl<'a> Deserializer<'a> for Node<'a> {
 
     forward_to_deserialize_any! {
         <W: Visitor<'a>>
-        bool u8 u16 u32 u64 u128 i8 i16 i32 i64 i128 f32 f64 char str string seq bytes byte_buf map unit ignored_any unit_struct tuple_struct tuple
+        bool u8 u16 u32 u64 u128 i8 i16 i32 i64 i128 f32 char str string seq bytes byte_buf map unit ignored_any unit_struct tuple_struct tuple
         identifier
     }
 }
 
 /// Elements of a list.
-struct Items<'a>(std::slice::Iter<'a, Spanned<DeValue<'a>>>, &'a Replaced);
+struct Items<'a>(std::slice::Iter<'a, Spanned<DeValue<'a>>>, &'a Replaced, Keys<'a>);
 
 impl<'a> Items<'a> {
     fn next_item(&mut self) -> Option<Node<'a>> {
-        let Items(items, replaced) = self;
+        let Items(items, replaced, keys) = self;
         let next = items.find(|item| !replaced.removed.contains(&place(item)));
-        next.map(|item| Node::Value(item, replaced))
+        next.map(|item| Node::Value(item, replaced, *keys))
     }
 }
 
@@ -350,14 +415,14 @@ type Rows<'a> = toml::map::Iter<'a, Spanned<Cow<'a, str>>, Spanned<DeValue<'a>>>
 /// Keys and values: of a table, with the place of each key, or the pairs by which `serde` receives the place of a
 /// value.
 struct Pairs<'a> {
-    table: Option<(Rows<'a>, &'a Replaced)>,
+    table: Option<(Rows<'a>, &'a Replaced, &'a DeTable<'a>, Keys<'a>)>,
     more: [Option<(&'a str, Node<'a>)>; 3],
     value: Option<Node<'a>>,
 }
 
 impl<'a> Pairs<'a> {
-    fn table(table: &'a DeTable<'a>, replaced: &'a Replaced) -> Self {
-        Pairs { table: Some((table.iter(), replaced)), more: [const { None }; 3], value: None }
+    fn table(table: &'a DeTable<'a>, replaced: &'a Replaced, keys: Keys<'a>) -> Self {
+        Pairs { table: Some((table.iter(), replaced, table, keys)), more: [const { None }; 3], value: None }
     }
 
     fn date() -> Self {
@@ -374,9 +439,9 @@ impl<'a> Pairs<'a> {
 
     /// The next key and its place, if it has one; its value waits.
     fn next_key(&mut self) -> Option<(&'a str, Option<Range<usize>>)> {
-        let next = self.table.as_mut().and_then(|(pairs, replaced)| {
+        let next = self.table.as_mut().and_then(|(pairs, replaced, table, keys)| {
             let (key, value) = pairs.find(|(_, value)| !replaced.removed.contains(&place(value)))?;
-            Some((key, Node::Value(value, replaced)))
+            Some((key, Node::Value(value, replaced, keys_within(key.get_ref(), table, *keys))))
         });
         if let Some((key, value)) = next {
             self.value = Some(value);

@@ -18,7 +18,7 @@ pub fn numbers_at_each<'a>(text: &str, paths: impl IntoIterator<Item = &'a str>)
     let mut document: Option<DocumentMut> = text.parse().ok();
     let mut at = |path: &str| {
         let segments: Vec<&str> = path.split('.').collect();
-        find(document.as_mut()?.as_table_mut(), &segments).and_then(|item| numbers(item))
+        find(document.as_mut()?.as_table_mut(), &segments).and_then(|item| numbers(item, path))
     };
     paths.into_iter().map(&mut at).collect()
 }
@@ -32,7 +32,7 @@ pub fn with_numbers(text: &str, changes: &[(&str, usize, f64)]) -> Option<String
     for (path, which, value) in changes {
         let segments: Vec<&str> = path.split('.').collect();
         let item = find(document.as_table_mut(), &segments)?;
-        numbers(item)?.get(*which)?;
+        numbers(item, path)?.get(*which)?;
         let place = number_of(item)?;
         let old = match place {
             Value::Array(array) => array.get_mut(*which)?,

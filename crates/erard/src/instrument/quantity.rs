@@ -9,6 +9,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::{F64Deserializer, MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 
+use super::from_toml::NUMBER;
 use super::provenance::Certainty;
 
 /// A value with its place in the file's text. The schema shows the value only.
@@ -50,6 +51,44 @@ impl<T: JsonSchema> JsonSchema for At<T> {
     }
 }
 
+/// A key of the piano in a file, by its number or its note: 40 or "C4".
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KeyName(pub String);
+
+impl<'de> Deserialize<'de> for KeyName {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct KeyVisitor;
+        impl Visitor<'_> for KeyVisitor {
+            type Value = KeyName;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number from 1 to 88 or a note in quotes")
+            }
+            fn visit_i64<E: Error>(self, key: i64) -> Result<KeyName, E> {
+                Ok(KeyName(key.to_string()))
+            }
+            fn visit_str<E: Error>(self, key: &str) -> Result<KeyName, E> {
+                Ok(KeyName(key.to_owned()))
+            }
+        }
+        deserializer.deserialize_any(KeyVisitor)
+    }
+}
+
+impl JsonSchema for KeyName {
+    fn inline_schema() -> bool {
+        true
+    }
+    fn schema_name() -> Cow<'static, str> {
+        "KeyName".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": ["integer", "string"], "minimum": 1, "maximum": 88 })
+    }
+}
+
+/// Pattern of a number in quotes, which has a unit: a letter other than that of an exponent, or a sign.
+const TYPED_PATTERN: &str = "[A-DF-Za-df-z\u{b5}\u{3bc}\u{b0}%\"'\u{2033}\u{201d}]";
+
 /// Values that can be bare or cited: a number of some range, or a pair of numbers.
 pub trait Kind: for<'de> Deserialize<'de> + JsonSchema + Clone + fmt::Debug {
     /// Expected value, as an error message describes it.
@@ -88,13 +127,15 @@ macro_rules! scalar_kind {
 
 scalar_kind!(
     /// Any finite number.
-    Real, "Real", "a number", { "type": "number" });
+    Real, "Real", "a number", { "type": ["number", "string"], "pattern": TYPED_PATTERN });
 scalar_kind!(
     /// A number greater than zero.
-    Positive, "Positive", "a number greater than 0", { "type": "number", "exclusiveMinimum": 0 });
+    Positive, "Positive", "a number greater than 0",
+    { "type": ["number", "string"], "pattern": TYPED_PATTERN, "exclusiveMinimum": 0 });
 scalar_kind!(
     /// A number of at least zero.
-    NonNegative, "NonNegative", "a number that is not negative", { "type": "number", "minimum": 0 });
+    NonNegative, "NonNegative", "a number that is not negative",
+    { "type": ["number", "string"], "pattern": TYPED_PATTERN, "minimum": 0 });
 scalar_kind!(
     /// A fraction from 0 to 0.99, the most that the reader takes.
     Part, "Part", "a number from 0 to 0.99", { "type": "number", "minimum": 0, "maximum": 0.99 });
@@ -145,7 +186,8 @@ impl JsonSchema for Pair {
         "Pair".into()
     }
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 })
+        let item = json_schema!({ "type": ["number", "string"], "pattern": TYPED_PATTERN });
+        json_schema!({ "type": "array", "items": item, "minItems": 2, "maxItems": 2 })
     }
 }
 
@@ -211,7 +253,8 @@ impl<'de, T: Kind> Deserialize<'de> for Quantity<T> {
         impl<'de, T: Kind> Visitor<'de> for QuantityVisitor<T> {
             type Value = Quantity<T>;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(f, "{}, or a cited one {{ value = ..., source = ..., certainty = ... }}", T::EXPECTED)
+                let cited = "{ value = ..., source = ..., certainty = ... }";
+                write!(f, "{}, or one in quotes with its unit, or a cited one {cited}", T::EXPECTED)
             }
             fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
                 let number: F64Deserializer<E> = value.into_deserializer();
@@ -229,7 +272,7 @@ impl<'de, T: Kind> Deserialize<'de> for Quantity<T> {
                 Cited::deserialize(MapAccessDeserializer::new(map)).map(|cited| Quantity::Cited(Box::new(cited)))
             }
         }
-        deserializer.deserialize_any(QuantityVisitor(PhantomData))
+        deserializer.deserialize_newtype_struct(NUMBER, QuantityVisitor(PhantomData))
     }
 }
 

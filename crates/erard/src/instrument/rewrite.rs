@@ -45,7 +45,7 @@ impl Instrument {
             let missing = || RewriteError::NoSetting(screw.name.clone());
             let path = ["screw", screw.name.as_str(), key];
             let item = find(document.as_table_mut(), &path).ok_or_else(missing)?;
-            if numbers(item).as_deref() != Some(&[setting]) {
+            if numbers(item, &key).as_deref() != Some(&[setting]) {
                 set(item, setting, &source, note);
                 changed = true;
             }
@@ -75,7 +75,7 @@ pub fn cited(
     let source = source_name(&document, stem, author);
     for (path, value, note) in changes {
         let segments: Vec<&str> = path.split('.').collect();
-        let item = find(document.as_table_mut(), &segments).filter(|item| numbers(item).is_some());
+        let item = find(document.as_table_mut(), &segments).filter(|item| numbers(item, path).is_some());
         set(item.ok_or_else(|| RewriteError::NoNumber(path.clone()))?, *value, &source, note);
     }
     if !changes.is_empty() {

@@ -8,6 +8,9 @@ use super::from_toml::TomlError;
 pub fn serde_fault(error: &TomlError, text: &str) -> Fault {
     let span = error.span.clone().unwrap_or(0..0);
     let message = error.message.as_str();
+    if let Some(expected) = &error.expected {
+        return Fault::at(span, message, expected);
+    }
     let quoted = |start: &str| message.strip_prefix(start)?.strip_prefix('`')?.split_once('`');
     let wrong_kind =
         |expected: &str| Fault::at(span.clone(), "wrong kind of value", expected.replace("f64", "a number"));

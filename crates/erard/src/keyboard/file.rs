@@ -20,6 +20,7 @@ use crate::instrument::reader::{DIRECTION, LENGTH_MM, Reader, title};
 use crate::instrument::schema::schema_of;
 use crate::instrument::serde_fault::serde_fault;
 use crate::instrument::{FileError, Instrument, InstrumentFile};
+use crate::key::key_named;
 
 /// The keyboards that come with the program, by name.
 const BUILTIN: [(&str, &str); 3] = [
@@ -195,9 +196,11 @@ fn convert(file: &KeyboardToml, base: &mut DocumentMut) -> Result<(usize, Vec<Gr
     }
     title(&file.name, "a keyboard")?;
     let base_key = key_number(&file.instrument_key)?;
-    if let Some(own) = base.get("key").and_then(Item::as_integer)
-        && own != *file.instrument_key
+    let own = base.get("key").and_then(Item::as_value).map(|key| key.as_str().map_or(key.to_string(), str::to_owned));
+    if let Some(own) = own
+        && key_named(&own) != Some(base_key)
     {
+        let own = own.trim();
         let expected = format!("{own}, the `key` of the instrument's file");
         return Err(Fault::at(file.instrument_key.span(), "the instrument is that of another key", expected));
     }
@@ -231,7 +234,8 @@ fn absence(file: &AbsentToml, base: &mut DocumentMut, base_key: usize) -> Result
             return Err(Fault::at(path.span(), "the instrument has no such table", expected));
         }
     }
-    let keys = (*file.keys).map(|key| usize::try_from(key).unwrap_or(0));
+    let [first, last] = &*file.keys;
+    let keys = [first, last].map(|key| key_named(&key.0).unwrap_or(0));
     if !(keys[0] >= 1 && keys[0] <= keys[1] && keys[1] <= KEYS) {
         let expected = format!("[first, last] from 1 to {KEYS}");
         return Err(Fault::at(file.keys.span(), "not keys of a piano", expected));
@@ -285,7 +289,7 @@ fn shift(file: &ShiftToml, reader: &mut Reader, base: &mut DocumentMut, base_key
 fn path_of(path: &At<String>, base: &mut DocumentMut, count: usize) -> Result<String, Fault> {
     let what = if count == 1 { "a number" } else { "a point" };
     let segments: Vec<&str> = path.split('.').collect();
-    match find(base.as_table_mut(), &segments).and_then(|item| numbers(item)) {
+    match find(base.as_table_mut(), &segments).and_then(|item| numbers(item, path)) {
         Some(found) if found.len() == count => Ok(path.to_string()),
         _ => Err(Fault::at(
             path.span(),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::instrument::quantity::{At, Num, Pair, Positive, Real};
+use crate::instrument::quantity::{At, KeyName, Num, Pair, Positive, Real};
 use crate::instrument::{Certainty, Source};
 
 /// Required value of the key `format`.
@@ -29,9 +29,9 @@ pub(crate) struct KeyboardToml {
     pub description: Option<String>,
     /// Base instrument: the name of a built-in one, or a file, relative to the folder of this file.
     pub instrument: At<String>,
-    /// Key that the base instrument belongs to, from 1 to 88. There every added mass and shift must be 0 and every
-    /// factor 1.
-    pub instrument_key: At<i64>,
+    /// Key that the base instrument belongs to, from 1 to 88, or its note. There every added mass and shift must be 0
+    /// and every factor 1.
+    pub instrument_key: At<KeyName>,
     /// The sources that points cite, by name.
     #[serde(default)]
     pub sources: BTreeMap<String, Source>,
@@ -99,8 +99,8 @@ pub(crate) struct ShiftToml {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "{T}Point")]
 pub(crate) struct PointToml<T> {
-    /// Number of the key, 1 to 88.
-    pub key: At<i64>,
+    /// Key, 1 to 88, or its note.
+    pub key: At<KeyName>,
     /// Value of the quantity at this key.
     pub value: At<T>,
     /// Source: a name in `[sources]`.
@@ -121,6 +121,6 @@ pub(crate) struct AbsentToml {
     /// The tables, each by its list and name in the instrument file, e.g. `string.right`, or a table within one, e.g.
     /// `string.right.damper`.
     pub tables: Vec<At<String>>,
-    /// First and last key without these tables, `[first, last]`, from 1 to 88.
-    pub keys: At<[i64; 2]>,
+    /// First and last key without these tables, `[first, last]`, from 1 to 88, or their notes.
+    pub keys: At<[KeyName; 2]>,
 }

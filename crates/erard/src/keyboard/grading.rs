@@ -114,7 +114,7 @@ pub(super) fn graded_text(keyboard: &Keyboard, mut document: DocumentMut, key: u
     for table in absent(keyboard, key) {
         remove(&mut document, table)?;
     }
-    let mut old = |path: &str| numbers(find(document.as_table_mut(), &segments(path))?);
+    let mut old = |path: &str| numbers(find(document.as_table_mut(), &segments(path))?, path);
     let changed = Changed::of(keyboard, key, &mut old)?;
     let title =
         format!("Graded for key {key} from the instrument of key {}, by {}", keyboard.base_key, keyboard.file_name);

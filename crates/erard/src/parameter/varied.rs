@@ -1,8 +1,7 @@
 //! Instruments with some numbers changed by name.
 
-use super::number::NumberError;
 use super::register::idle_number;
-use super::{Bare, Change, FileNumber, NameError, Parameter, Quantity, Unit, canonical_name};
+use super::{Bare, Change, FileNumber, NameError, NumberError, Parameter, Quantity, Unit, canonical_name};
 use crate::instrument::{Certainty, FileError, Instrument, InstrumentFile, Spread, numbers_at, with_numbers};
 use thiserror::Error;
 
@@ -14,6 +13,9 @@ pub enum Wanted {
     /// As typed ([`Change::read`]): `8.7 g` is the new value, `+0.8 g` and `-0.2 mm` are added, `x1.5` is a factor, and
     /// `=-0.2 mm` is a new value with a sign. A number without a unit is in the unit of [`Wanted::Value`].
     Text(String),
+    /// As [`Wanted::Text`], in a field in which a person types: a number without a unit is in the unit in which
+    /// technicians read it ([`Parameter::trade_bare`]).
+    Field(String),
 }
 
 /// Reason why a number cannot be changed so.
@@ -62,7 +64,7 @@ impl std::fmt::Display for Wanted {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Wanted::Value(x) => write!(f, "{x}"),
-            Wanted::Text(text) => f.write_str(text),
+            Wanted::Text(text) | Wanted::Field(text) => f.write_str(text),
         }
     }
 }
@@ -75,7 +77,7 @@ impl Wanted {
                 return Ok(Change::Set(value * bare.unit(quantity).map_or(1.0, |(si, _)| si)));
             }
             Wanted::Value(value) => value.to_string(),
-            Wanted::Text(text) => text.clone(),
+            Wanted::Text(text) | Wanted::Field(text) => text.clone(),
         };
         Change::read(&text, quantity, bare).map_err(|error| ChangeError::Value { name: name.to_owned(), error })
     }
@@ -308,7 +310,8 @@ pub fn varied_text(text: &str, file_name: &str, name: &str, change: &Wanted) -> 
 /// Changes a parameter of an instrument. Returns the argument of [`Parameter::vary`].
 fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, wanted: &Wanted) -> Result<f64, ChangeError> {
     let quantity = parameter.quantity(instrument);
-    let by = parameter.by(instrument, wanted.read(name, quantity, Bare::Si)?);
+    let bare = if matches!(wanted, Wanted::Field(_)) { parameter.trade_bare(instrument) } else { Bare::Si };
+    let by = parameter.by(instrument, wanted.read(name, quantity, bare)?);
     let range = out_of_range(instrument, name, parameter, wanted);
     let [least, most] = parameter.range();
     if !(least..=most).contains(&by) || !parameter.vary(instrument, by) {

@@ -282,7 +282,11 @@ fn values_of_the_wrong_kind() {
     let mass = "mass_g = 250";
     let key = "body.pendulum.mass_g";
     check(&[
-        slip((mass, "mass_g = \"250\""), "\"250\"", key, ["\"250\"", "a number greater than 0", "wrong kind"]),
+        slip((mass, "mass_g = \"250\""), "\"250\"", key, ["\"250\"", "`250g` (units: kg, g,", "needs its unit"]),
+        slip((mass, "mass_g = \"heavy\""), "\"heavy\"", key, ["\"heavy\"", "a number greater than 0", "wrong kind"]),
+        slip((mass, "mass_g = \"250mm\""), "\"250mm\"", key, ["\"250mm\"", "kg, g, mg, oz, lb", "`mm` is not one"]),
+        slip((mass, "mass_g = \"1,250g\""), "\"1,2", key, ["\"1,250g\"", "`1.250g` or `1250g`", "two meanings"]),
+        slip((mass, "mass_g = \"-250g\""), "\"-250", key, ["\"-250g\"", "a number greater than 0", ""]),
         slip((mass, "mass_g = true"), "true", key, ["true", "a number", "wrong kind"]),
         slip((mass, "mass_g = [250]"), "[250]", key, ["[250]", "a number", "wrong kind"]),
         slip((mass, "mass_g = 1979-05-27"), "1979", key, ["1979-05-27", "a number", "wrong kind"]),
@@ -290,7 +294,8 @@ fn values_of_the_wrong_kind() {
         slip(("pivot_mm = [60, 0]", "pivot_mm = 60"), "= 60", "body.lever.pivot_mm", ["60", "[x, y]", "wrong kind"]),
         slip(("pivot_mm = [60, 0]", "pivot_mm = [60]"), "[60]", "body.lever.pivot_mm", ["1 of them", "[x, y]", ""]),
         slip(("[60, 0]", "[60, 0, 0]"), "[60, 0, 0]", "body.lever.pivot_mm", ["3 of them", "[x, y]", ""]),
-        slip(("[60, 0]", "[60, \"0\"]"), "[60, ", "body.lever.pivot_mm", ["\"0\"", "a number", "wrong kind"]),
+        slip(("[60, 0]", "[60, \"0\"]"), "\"0\"", "body.lever.pivot_mm", ["\"0\"", "`0mm`", "needs its unit"]),
+        slip(("[60, 0]", "[60, true]"), "[60, ", "body.lever.pivot_mm", ["true", "a number", "wrong kind"]),
         slip(("name = \"lever\"", "name = 7"), "name = 7", "body[3].name", ["7", "a string", "wrong kind"]),
         slip(("[[spring]]", "[spring]"), "[spring]", "spring", ["", "sequence", "wrong kind"]),
         slip(("angle_deg = 90", "angle_deg ="), "angle_deg =", "angle_deg", ["", "a value", "no value"]),

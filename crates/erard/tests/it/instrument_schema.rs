@@ -28,6 +28,11 @@ fn what_reads_conforms() {
         assert_eq!(faults(Instrument::builtin_text(name).expect("a text")), Vec::<String>::new(), "{name}");
     }
     assert_eq!(faults(CLOCK), Vec::<String>::new());
+    // Numbers in quotes, with their units.
+    let typed = CLOCK.replacen("mass_g = 250", "mass_g = \"0.25 kg\"", 1).replacen("[60, 0]", "[\"2 1/2in\", 0]", 1);
+    assert_ne!(typed, CLOCK);
+    assert!(Instrument::parse(&typed, "").is_ok());
+    assert_eq!(faults(&typed), Vec::<String>::new());
 }
 
 /// Not all that the reader refuses (a schema cannot compare an inertia with a mass), but all that has to do with keys,
@@ -99,7 +104,7 @@ fn validate(instance: &Value, schema: &Value, root: &Value, path: &str, faults: 
                 }
             }
             "type" => {
-                let fits = match rule.as_str().expect("one type") {
+                let fits = |rule: &Value| match rule.as_str().expect("a type") {
                     "object" => instance.is_object(),
                     "array" => instance.is_array(),
                     "string" => instance.is_string(),
@@ -107,12 +112,19 @@ fn validate(instance: &Value, schema: &Value, root: &Value, path: &str, faults: 
                     "boolean" => instance.is_boolean(),
                     other => panic!("type {other}"),
                 };
-                if !fits {
+                if !rule.as_array().map_or_else(|| fits(rule), |rules| rules.iter().any(fits)) {
                     fault(format!("is not of type {rule}"));
                 }
             }
             "const" if instance != rule => fault(format!("is not {rule}")),
             "enum" if !rule.as_array().is_some_and(|words| words.contains(instance)) => fault(format!("not in {rule}")),
+            // A number in quotes has a unit: a letter other than that of an exponent, or a sign.
+            "pattern" if rule.as_str().is_some_and(|rule| rule.starts_with("[A-DF-Z")) => {
+                let is_of_a_unit = |c: char| (c.is_alphabetic() && !matches!(c, 'e' | 'E')) || "\u{b0}%\"'".contains(c);
+                if instance.as_str().is_some_and(|text| !text.contains(is_of_a_unit)) {
+                    fault("is a number in quotes without a unit".to_owned());
+                }
+            }
             "pattern" => {
                 assert_eq!(rule, &json!("^[a-z][a-z0-9_]{0,39}$"), "the only pattern that this validator knows");
                 let name = instance.as_str().unwrap_or_default();
@@ -123,10 +135,14 @@ fn validate(instance: &Value, schema: &Value, root: &Value, path: &str, faults: 
                     fault("is no name".to_owned());
                 }
             }
-            "minimum" if number < rule.as_f64() => fault(format!("is less than {rule}")),
-            "maximum" if number > rule.as_f64() => fault(format!("is more than {rule}")),
-            "exclusiveMinimum" if number <= rule.as_f64() => fault(format!("is not more than {rule}")),
-            "exclusiveMaximum" if number >= rule.as_f64() => fault(format!("is not less than {rule}")),
+            "minimum" if number.is_some() && number < rule.as_f64() => fault(format!("is less than {rule}")),
+            "maximum" if number.is_some() && number > rule.as_f64() => fault(format!("is more than {rule}")),
+            "exclusiveMinimum" if number.is_some() && number <= rule.as_f64() => {
+                fault(format!("is not more than {rule}"))
+            }
+            "exclusiveMaximum" if number.is_some() && number >= rule.as_f64() => {
+                fault(format!("is not less than {rule}"))
+            }
             "minItems" if length < rule.as_u64() => fault(format!("has fewer than {rule}")),
             "maxItems" if length > rule.as_u64() => fault(format!("has more than {rule}")),
             "const" | "enum" | "minimum" | "maximum" | "exclusiveMinimum" | "exclusiveMaximum" | "minItems"

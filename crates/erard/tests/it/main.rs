@@ -37,3 +37,4 @@ mod solvers;
 mod strings;
 mod stroke_files;
 mod trust;
+mod typed_files;

@@ -17,7 +17,7 @@ pub enum Bare {
 
 impl Bare {
     /// SI value of one, and the unit's symbol; `None` if a number needs its unit.
-    pub(super) fn unit(self, quantity: Quantity) -> Option<(f64, &'static str)> {
+    pub(crate) fn unit(self, quantity: Quantity) -> Option<(f64, &'static str)> {
         match self {
             Bare::Refused if quantity == Quantity::Number => Some((1.0, "")),
             Bare::Refused => None,
@@ -143,7 +143,19 @@ impl Quantity {
     /// # Errors
     /// See [`NumberError`].
     pub fn read_in(self, text: &str, symbol: &'static str) -> Result<f64, NumberError> {
-        let typed = self.typed(text, Bare::In(symbol))?;
+        self.typed_in(text, symbol, Bare::In(symbol))
+    }
+
+    /// Reads a value with its unit as [`Quantity::read_in`] does; a number without a unit is refused.
+    ///
+    /// # Errors
+    /// See [`NumberError`].
+    pub(crate) fn read_with_unit(self, text: &str, symbol: &'static str) -> Result<f64, NumberError> {
+        self.typed_in(text, symbol, Bare::Refused)
+    }
+
+    fn typed_in(self, text: &str, symbol: &'static str, bare: Bare) -> Result<f64, NumberError> {
+        let typed = self.typed(text, bare)?;
         let own = self.unit(symbol);
         if typed.unit.is_none() || typed.unit == own {
             return Ok(typed.value);
@@ -303,7 +315,7 @@ fn leading_number(text: &str) -> Result<Option<(f64, usize, bool)>, NumberError>
         if again || (tail == 3 && (1..=3).contains(&whole) && !units.starts_with('0')) {
             return Err(NumberError::Comma {
                 found: text.to_owned(),
-                decimal: format!("{}{units}.{parts}", &text[..before]),
+                decimal: format!("{}{units}.{parts}{}", &text[..before], if again { "" } else { rest }),
                 thousands: format!("{}{}", &text[..before], unsigned.replace(',', "")),
             });
         }
@@ -386,6 +398,7 @@ mod tests {
         for (quantity, text, bare, told) in [
             (Quantity::Length, "1 g", Bare::Si, "`g` is not one of its units; expected m, dm, cm, mm"),
             (Quantity::Length, "1,500", Bare::In("mm"), "may be 1.500 or 1500"),
+            (Quantity::Length, "-1,500 mm", Bare::In("mm"), "may be -1.500 mm or -1500 mm"),
             (Quantity::Length, "1,500,000", Bare::In("mm"), "1500000"),
             (Quantity::Length, "1 7/8", Bare::In("mm"), "type for example `1 7/8in`"),
             (Quantity::Mass, "9.4", Bare::Refused, "type for example `9.4g`"),
