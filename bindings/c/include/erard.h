@@ -832,6 +832,13 @@ char *erard_builtin_names(size_t *length, ErardStatus *status);
 ErardStatus erard_instrument_vary(struct ErardInstrument *instrument, const char *called, const char *change);
 
 /**
+ * Changes one quantity as erard_instrument_vary does, for a field in which a person types: a number without a unit is
+ * in the unit in which technicians read the quantity (mm, g, degrees, N mm; else in SI units, or in the unit at the
+ * end of a path), as in the command's option `--vary`. Errors are those of erard_instrument_vary.
+ */
+ErardStatus erard_instrument_vary_field(struct ErardInstrument *instrument, const char *called, const char *change);
+
+/**
  * Returns a drawing of the instrument in one pose as SVG, as the command draws it. `angles_rad` holds `count` absolute
  * angles of its bodies, rad, as erard_action_angles writes them; NULL and 0 draw the pose of its file. `size_px` is
  * the longer side, 16 to 16384 px. `labels` is 1 to name the parts. Elements of a moving part have the attribute
@@ -897,8 +904,9 @@ char *erard_sheet_lines(uint32_t key, size_t *length, ErardStatus *status);
  * Diagnoses a key of a real piano from its measured readings and returns JSON, as `erard diagnose` writes it to
  * diagnosis.json: readings, causes, remedies and what to measure next. `readings` is a JSON object: "key" (1 to 88, or
  * a note; without it C4 is assumed and "is_key_assumed" is true), "leads" ("14@165, 14@147"), and readings by the
- * names of erard_diagnose_quantities, as numbers or as texts with units. Takes up to seconds. Returns NULL on failure;
- * erard_last_error lists all errors in the readings. Free the text with erard_text_free.
+ * names of erard_diagnose_quantities, as numbers (in the unit at the end of the name) or as texts with units.
+ * "balance_weight_g" and "friction_weight_g" may replace down-weight and up-weight. Takes up to seconds. Returns NULL
+ * on failure; erard_last_error lists all errors in the readings. Free the text with erard_text_free.
  */
 char *erard_diagnose(const char *readings, size_t *length, ErardStatus *status);
 
@@ -923,6 +931,18 @@ char *erard_diagnose_quantities(uint32_t key, size_t *length, ErardStatus *statu
  * erard_text_free.
  */
 char *erard_instrument_dials(const struct ErardInstrument *instrument, size_t *length, ErardStatus *status);
+
+/**
+ * Reads what a person types into a dial's field, and writes the dial's new value, in the dial's unit, to `value`:
+ * "0.3", "0.3 mm", "1/64in" (the value), "+0.5", "-0.2 mm" (a difference from this instrument's value), "x1.05" (a
+ * factor of it) or "=-0.2" (a value with a sign). A number without a unit is in the dial's unit. Errors:
+ * ERARD_STATUS_NO_SUCH (there is no such dial), ERARD_STATUS_ARGUMENT (the text cannot be read) and ERARD_STATUS_RANGE
+ * (the value is out of the dial's range); erard_last_error says what is expected.
+ */
+ErardStatus erard_instrument_dial_typed(const struct ErardInstrument *instrument,
+                                        const char *dial,
+                                        const char *typed,
+                                        double *value);
 
 /**
  * Returns a new instrument with dials set to new values. `turns` is a JSON object of dial names and values, e.g.

@@ -12,7 +12,7 @@ use erard::parameter::{ChangeError, Wanted, varied_text};
 use erard_figures::drawing::{PoseOptions, pose_picture};
 use erard_figures::page::scene;
 use erard_workshop::diagnose::{self, Typed, diagnose};
-use erard_workshop::dials::{dials, with_dials};
+use erard_workshop::dials::{DialError, dials, typed_value, with_dials};
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::norms::{GROUPS, Line, MIDDLE_C, lines};
 use erard_workshop::measure::{MeasureError, measure, measure_some};
@@ -42,18 +42,41 @@ pub unsafe extern "C" fn erard_instrument_vary(
     called: *const c_char,
     change: *const c_char,
 ) -> ErardStatus {
-    tell(|| {
-        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no other call uses it
-        // meanwhile.
-        let instrument = unsafe { instrument.as_mut() }.ok_or_else(|| Fault::null("the instrument"))?;
-        // SAFETY: `called` and `change` are NULL, or texts that end with a zero and do not change during the call.
-        let (called, change) = unsafe { (name(called, "what is varied")?, name(change, "the change")?) };
-        let text = varied_text(&instrument.text, "instrument", called, &Wanted::Text(change.to_owned()));
-        let text = text.map_err(|error| change_fault(&error))?;
-        instrument.file = InstrumentFile::parse(&text, "instrument").map_err(|error| file_fault(&error))?;
-        instrument.text = text;
-        Ok(())
-    })
+    // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no other call uses it
+    // meanwhile; `called` and `change` are NULL, or texts that end with a zero and do not change during the call.
+    tell(|| unsafe { vary(instrument, called, change, Wanted::Text) })
+}
+
+/// Changes one quantity as erard_instrument_vary does, for a field in which a person types: a number without a unit is
+/// in the unit in which technicians read the quantity (mm, g, degrees, N mm; else in SI units, or in the unit at the
+/// end of a path), as in the command's option `--vary`. Errors are those of erard_instrument_vary.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_instrument_vary_field(
+    instrument: *mut ErardInstrument,
+    called: *const c_char,
+    change: *const c_char,
+) -> ErardStatus {
+    // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no other call uses it
+    // meanwhile; `called` and `change` are NULL, or texts that end with a zero and do not change during the call.
+    tell(|| unsafe { vary(instrument, called, change, Wanted::Field) })
+}
+
+unsafe fn vary(
+    instrument: *mut ErardInstrument,
+    called: *const c_char,
+    change: *const c_char,
+    wanted: impl Fn(String) -> Wanted,
+) -> Result<(), Fault> {
+    // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no other call uses it
+    // meanwhile.
+    let instrument = unsafe { instrument.as_mut() }.ok_or_else(|| Fault::null("the instrument"))?;
+    // SAFETY: `called` and `change` are NULL, or texts that end with a zero and do not change during the call.
+    let (called, change) = unsafe { (name(called, "what is varied")?, name(change, "the change")?) };
+    let text = varied_text(&instrument.text, "instrument", called, &wanted(change.to_owned()));
+    let text = text.map_err(|error| change_fault(&error))?;
+    instrument.file = InstrumentFile::parse(&text, "instrument").map_err(|error| file_fault(&error))?;
+    instrument.text = text;
+    Ok(())
 }
 
 fn change_fault(error: &ChangeError) -> Fault {
@@ -288,8 +311,9 @@ pub extern "C" fn erard_sheet_lines(key: u32, length: *mut usize, status: *mut E
 /// Diagnoses a key of a real piano from its measured readings and returns JSON, as `erard diagnose` writes it to
 /// diagnosis.json: readings, causes, remedies and what to measure next. `readings` is a JSON object: "key" (1 to 88, or
 /// a note; without it C4 is assumed and "is_key_assumed" is true), "leads" ("14@165, 14@147"), and readings by the
-/// names of erard_diagnose_quantities, as numbers or as texts with units. Takes up to seconds. Returns NULL on failure;
-/// erard_last_error lists all errors in the readings. Free the text with erard_text_free.
+/// names of erard_diagnose_quantities, as numbers (in the unit at the end of the name) or as texts with units.
+/// "balance_weight_g" and "friction_weight_g" may replace down-weight and up-weight. Takes up to seconds. Returns NULL
+/// on failure; erard_last_error lists all errors in the readings. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_diagnose(
     readings: *const c_char,
@@ -357,6 +381,38 @@ pub unsafe extern "C" fn erard_instrument_dials(
         let own = unsafe { given(instrument) }?;
         let text = serde_json::to_string(&dials(&own.file));
         give(text.map_err(|error| Fault::new(ErardStatus::Internal, error.to_string()))?, length)
+    })
+}
+
+/// Reads what a person types into a dial's field, and writes the dial's new value, in the dial's unit, to `value`:
+/// "0.3", "0.3 mm", "1/64in" (the value), "+0.5", "-0.2 mm" (a difference from this instrument's value), "x1.05" (a
+/// factor of it) or "=-0.2" (a value with a sign). A number without a unit is in the dial's unit. Errors:
+/// ERARD_STATUS_NO_SUCH (there is no such dial), ERARD_STATUS_ARGUMENT (the text cannot be read) and ERARD_STATUS_RANGE
+/// (the value is out of the dial's range); erard_last_error says what is expected.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_instrument_dial_typed(
+    instrument: *const ErardInstrument,
+    dial: *const c_char,
+    typed: *const c_char,
+    value: *mut f64,
+) -> ErardStatus {
+    tell(|| {
+        // SAFETY: `instrument` is NULL, or one of this library that is not freed and that no call changes; `dial` and
+        // `typed` are NULL, or texts that end with a zero.
+        let (own, dial, typed) =
+            unsafe { (given(instrument)?, name(dial, "the dial's name")?, name(typed, "the typed text")?) };
+        // SAFETY: `value` is NULL, or aligned and writable memory for one number that nothing else uses during the
+        // call.
+        let place = unsafe { value.as_mut() }.ok_or_else(|| Fault::null("the value"))?;
+        *place = typed_value(&own.file, dial, typed).map_err(|error| {
+            let status = match error {
+                DialError::Unknown(_) => ErardStatus::NoSuch,
+                DialError::Range(_) => ErardStatus::Range,
+                _ => ErardStatus::Argument,
+            };
+            Fault::new(status, error.to_string())
+        })?;
+        Ok(())
     })
 }
 

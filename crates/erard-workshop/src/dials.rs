@@ -5,7 +5,7 @@
 
 use erard::grand::Parts;
 use erard::instrument::{Instrument, InstrumentFile, ScrewAction, Vec2, with_numbers};
-use erard::parameter::{FileNumber, Parameter, Quantity};
+use erard::parameter::{Bare, Change, FileNumber, NumberError, Parameter, Quantity};
 use serde::Serialize;
 
 use crate::regulate::known_screw;
@@ -97,15 +97,8 @@ pub fn with_dials(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]) -
     let all = dials(file);
     let mut changes: Numbers = Vec::new();
     for (name, value) in wanted {
-        let dial = all.iter().find(|dial| dial.name == *name).ok_or_else(|| {
-            let known = all.iter().map(|dial| dial.name.as_str()).collect::<Vec<_>>().join(", ");
-            format!("there is no dial `{name}`; expected one of {known}")
-        })?;
-        let Dial { from, to, unit, .. } = *dial;
-        let slack = 1e-9 * (to - from);
-        if !(from - slack..=to + slack).contains(value) {
-            return Err(format!("`{name}` is {value} {unit}; expected a number from {from} to {to} {unit}"));
-        }
+        let dial = find(&all, name)?;
+        dial.check(*value)?;
         changes.extend(dial.changes(*value));
     }
     let borrowed: Vec<(&str, usize, f64)> =
@@ -113,7 +106,66 @@ pub fn with_dials(file: &InstrumentFile, text: &str, wanted: &[(String, f64)]) -
     with_numbers(text, &borrowed).ok_or_else(|| "the text does not hold the numbers of its instrument".to_owned())
 }
 
+/// Reason why a typed text is no value of a dial.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DialError {
+    /// There is no such dial.
+    #[error("{0}")]
+    Unknown(String),
+    /// The text is no change of the dial.
+    #[error("`{name}`: {error}")]
+    Text {
+        /// Name of the dial.
+        name: String,
+        /// What is wrong.
+        error: NumberError,
+    },
+    /// The value is out of the dial's range.
+    #[error("{0}")]
+    Range(String),
+}
+
+/// Returns the value of a dial after a typed change ([`Change::read`]); a number without a unit is in the dial's unit.
+///
+/// # Errors
+/// See [`DialError`].
+pub fn typed_value(file: &InstrumentFile, name: &str, text: &str) -> Result<f64, DialError> {
+    let all = dials(file);
+    let dial = find(&all, name).map_err(DialError::Unknown)?;
+    // A factor of the file's number is a number without a unit.
+    let own = Quantity::ALL.into_iter().find_map(|quantity| Some((quantity, quantity.unit(dial.unit)?)));
+    let (quantity, bare, si) =
+        own.map_or((Quantity::Number, Bare::Si, 1.0), |(quantity, unit)| (quantity, Bare::In(unit.symbol), unit.si));
+    let change =
+        Change::read(text, quantity, bare).map_err(|error| DialError::Text { name: name.to_owned(), error })?;
+    let value = tidy(match change {
+        Change::Set(value) => value / si,
+        Change::Add(by) => dial.value + by / si,
+        Change::Multiply(factor) => dial.value * factor,
+    });
+    dial.check(value).map_err(DialError::Range)?;
+    Ok(value)
+}
+
+fn find<'d>(all: &'d [Dial], name: &str) -> Result<&'d Dial, String> {
+    all.iter().find(|dial| dial.name == name).ok_or_else(|| {
+        let known = all.iter().map(|dial| dial.name.as_str()).collect::<Vec<_>>().join(", ");
+        format!("there is no dial `{name}`; expected one of {known}")
+    })
+}
+
 impl Dial {
+    /// Checks that a value is within the range.
+    fn check(&self, value: f64) -> Result<(), String> {
+        let Dial { name, from, to, unit, .. } = self;
+        let slack = 1e-9 * (to - from);
+        if (from - slack..=to + slack).contains(&value) {
+            return Ok(());
+        }
+        Err(format!("`{name}` is {value} {unit}; expected a number from {from} to {to} {unit}"))
+    }
+
     /// Returns the numbers of the file for a value, in the file's own units.
     #[must_use]
     fn changes(&self, value: f64) -> Numbers {

@@ -20,6 +20,8 @@ export interface Exports {
   erard_instrument_set(instrument: number, path: number, which: number, value: number): number;
   erard_instrument_get(instrument: number, path: number, which: number, value: number): number;
   erard_instrument_json(instrument: number, length: number, status: number): number;
+  erard_instrument_vary_field(instrument: number, called: number, change: number): number;
+  erard_instrument_dial_typed(instrument: number, dial: number, typed: number, value: number): number;
   erard_instrument_with_dials(instrument: number, turns: number, status: number): number;
   erard_instrument_dials(instrument: number, length: number, status: number): number;
   erard_instrument_drawing_json(instrument: number, length: number, status: number): number;

@@ -190,6 +190,8 @@ export type Task =
   | { kind: "base"; of: { builtin: string } | { key: number; keyboard: string } | { text: string } }
   | { kind: "turned"; text: string; turns: Record<string, number> }
   | { kind: "dials"; text: string }
+  | { kind: "dial-typed"; text: string; dial: string; typed: string }
+  | { kind: "vary"; text: string; called: string; change: string }
   | { kind: "sheet"; key: number }
   | { kind: "check"; text: string }
   | { kind: "columns"; titles: string[] }

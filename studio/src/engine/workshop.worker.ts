@@ -30,6 +30,23 @@ const answer = (task: Task): unknown => {
         textOf(library.made(library.given(JSON.stringify(task.turns), (at) => raw.erard_instrument_with_dials(base, at, 0)))));
     case "dials":
       return library.withInstrument(task.text, (instrument) => library.json(raw.erard_instrument_dials(instrument, 0, 0)));
+    case "dial-typed":
+      return library.withInstrument(task.text, (instrument) =>
+        library.given(task.dial, (dial) => library.given(task.typed, (typed) => {
+          const place = raw.erard_memory_new(8);
+          try {
+            library.done(raw.erard_instrument_dial_typed(instrument, dial, typed, place));
+            return library.f64(place, 1)[0]!;
+          } finally {
+            raw.erard_memory_free(place, 8);
+          }
+        })));
+    case "vary":
+      return library.withInstrument(task.text, (instrument) =>
+        library.given(task.called, (called) => library.given(task.change, (change) => {
+          library.done(raw.erard_instrument_vary_field(instrument, called, change));
+          return library.taken(raw.erard_instrument_text(instrument, 0, 0));
+        })));
     case "sheet":
       return library.json(raw.erard_sheet_lines(task.key, 0, 0));
     case "check":

@@ -33,7 +33,7 @@ export class Dials {
     const { turns } = (this.which ? this.app.state.b : this.app.state.a) ?? loaded.setting;
     for (const [name, { input, number, back, dial }] of this.rows) {
       const value = turns[name] ?? dial.value;
-      if (document.activeElement !== number) number.value = shown(dial, value).toFixed(dial.decimals);
+      if (document.activeElement !== number && !number.hasAttribute("aria-invalid")) number.value = text(dial, value);
       if (document.activeElement !== input || Math.abs(Number(input.value) - value) > 1e-9) input.value = String(value);
       input.setAttribute("aria-valuetext", `${fixed(shown(dial, value), dial.decimals)} ${spoken(dial.unit)}`);
       back.classList.toggle("idle", !(name in turns));
@@ -61,29 +61,64 @@ export class Dials {
   private row(dial: Dial): HTMLElement {
     const step = 10 ** -dial.decimals;
     const input = h("input", { type: "range", min: dial.from, max: dial.to, step: step / 10, "aria-label": dial.label, [this.some ? "data-turn" : "data-dial"]: dial.name });
-    const number = h("input", { type: "number", min: shown(dial, dial.from), max: shown(dial, dial.to), step, "aria-label": `${dial.label}, ${spoken(dial.unit)}`, class: "exact" });
+    const id = `typed-${++fields}`;
+    const number = h("input", { type: "text", autocomplete: "off", spellcheck: "false", "aria-label": `${dial.label}, ${spoken(dial.unit)}`, "aria-describedby": id, class: "exact", title: HINT });
+    const wrong = h("p", { class: "bad", id, hidden: true });
     const back = h("button", { type: "button", class: "back", title: `Back to ${fixed(shown(dial, dial.value), dial.decimals)} ${spoken(dial.unit)}, as the file has it`, "aria-label": `${dial.label}: back to the file's` }, "\u21ba");
-    const turn = (text: string) => {
-      const value = Number(text);
-      if (text === "" || !Number.isFinite(value)) return;
-      const rounded = Math.min(Math.max(Number(value.toFixed(dial.decimals + 1)), dial.from), dial.to);
-      void this.app.turn(this.which, dial.name, Math.abs(rounded - dial.value) < step / 20 ? null : rounded);
+    const turn = (value: number) => this.app.turn(this.which, dial.name, Math.abs(value - dial.value) < 1e-9 ? null : value);
+    const point = (message: string | null) => {
+      wrong.textContent = message ?? "";
+      wrong.hidden = message === null;
+      if (message === null) number.removeAttribute("aria-invalid");
+      else number.setAttribute("aria-invalid", "true");
     };
     input.addEventListener("input", () => {
-      number.value = shown(dial, Number(input.value)).toFixed(dial.decimals);
-      turn(input.value);
+      point(null);
+      const value = Number(Number(input.value).toFixed(dial.decimals + 1));
+      number.value = text(dial, value);
+      void turn(Math.abs(value - dial.value) < step / 20 ? dial.value : value);
     });
-    number.addEventListener("change", () => number.value === "" || turn(String(Number(number.value) + dial.value - shown(dial, dial.value))));
-    back.addEventListener("click", () => void this.app.turn(this.which, dial.name, null));
+    // What is typed is read by the engine, as the command reads it.
+    number.addEventListener("change", async () => {
+      const typed = number.value, file = this.app.loaded[this.which]?.baseText;
+      if (file === undefined) return;
+      try {
+        const value = await this.app.bench.ask<number>({ kind: "dial-typed", text: file, dial: dial.name, typed });
+        if (number.value !== typed) return;
+        point(null);
+        number.value = text(dial, value);
+        await turn(value);
+      } catch (error) {
+        if (error instanceof Dropped || number.value !== typed) return;
+        point((error as Error).message);
+        say((error as Error).message);
+      }
+    });
+    back.addEventListener("click", () => {
+      point(null);
+      void this.app.turn(this.which, dial.name, null);
+    });
     this.rows.set(dial.name, { input, number, back, dial });
-    return h("div", { class: "dial", title: dial.note }, h("span", { class: "name" }, dial.label), input, h("span", { class: "value" }, number, h("span", { class: "unit" }, dial.unit === "x" ? "\u00d7" : dial.unit)), back);
+    return h("div", { class: "dial", title: dial.note }, h("span", { class: "name" }, dial.label), input, h("span", { class: "value" }, number, h("span", { class: "unit" }, dial.unit === "x" ? "\u00d7" : dial.unit)), back, wrong);
   }
 }
+
+/** How many fields there are: each has a name for its error. */
+let fields = 0;
+
+/** What may be typed into the fields of this panel. */
+const HINT = "A value (0.3, 1/64in), a change from the file with its sign (+0.5, \u22120.2 mm), or a factor (x1.05). Without a unit: the unit shown.";
 
 /** What a dial shows of a value: a screw is turned from where the file has it, so that it starts at 0; a mass or a
  * place
  * is itself. */
 const shown = (dial: Dial, value: number): number => (dial.group === "screws" ? value - dial.value : value);
+
+/** The text of a dial's field: a change from the file has a sign, as it would be typed. */
+const text = (dial: Dial, value: number): string => {
+  const digits = shown(dial, value).toFixed(dial.decimals);
+  return dial.group !== "screws" || (digits.startsWith("-") && Number(digits) !== 0) ? digits : `+${digits.replace("-", "")}`;
+};
 
 const spoken = (unit: string): string => (unit === "x" ? "times the file's" : unit);
 
@@ -139,7 +174,7 @@ export const screwsPanel = (app: App, into: HTMLElement): void => {
     h("div", { class: "row" }, regulate, reset),
     why,
     log,
-    h("div", { class: "columns" }, sliders, h("div", { class: "sheet-place" }, sheet.table)),
+    h("div", { class: "columns" }, h("div", {}, h("p", { class: "soft" }, HINT), sliders, byName(app)), h("div", { class: "sheet-place" }, sheet.table)),
     h("p", { class: "soft" }, "Norms are those of the key, of middle C where the file does not say which it is. Every line is measured as on a piano, in a simulation of its own: weights take some seconds."),
   );
   const follow = () => {
@@ -153,6 +188,36 @@ export const screwsPanel = (app: App, into: HTMLElement): void => {
     } else if (seen) tried();
   };
   app.onchange.push(follow);
+};
+
+/** Any number of the file, changed by the name that command, Python and C have for it. */
+const byName = (app: App): HTMLElement => {
+  const field = (id: string, label: string, example: string) =>
+    h("input", { id, type: "text", "aria-label": label, placeholder: example, autocomplete: "off", autocapitalize: "off", spellcheck: "false", "aria-describedby": "changed-wrong" });
+  const called = field("changed-name", "name of a number", "body.hammer.mass"), change = field("changed-by", "its change", "+0.8 g");
+  const wrong = h("p", { class: "bad", id: "changed-wrong", hidden: true });
+  const form = h("form", { id: "changed", novalidate: true }, h("div", { class: "row" }, called, change, h("button", { type: "submit" }, "Change")), wrong,
+    h("p", { class: "soft" }, "Typed as above. Without a unit: mm, g, degrees or N mm, else SI; the unit at the end of a path (body.hammer.mass_g)."));
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    const before = app.loaded[0];
+    if (!before) return;
+    form.classList.add("waiting");
+    let message = "";
+    try {
+      const text = await app.bench.ask<string>({ kind: "vary", text: before.text, called: called.value, change: change.value });
+      if (app.loaded[0] !== before) message = "The action was changed meanwhile: nothing is changed.";
+      else if (!(await app.setBase(0, { text }))) message = app.refused?.message ?? "";
+    } catch (error) {
+      message = error instanceof Dropped ? "" : (error as Error).message;
+    }
+    wrong.textContent = message;
+    wrong.hidden = !message;
+    for (const input of [called, change]) message ? input.setAttribute("aria-invalid", "true") : input.removeAttribute("aria-invalid");
+    if (message) say(message);
+    form.classList.remove("waiting");
+  });
+  return h("details", { id: "any" }, h("summary", {}, "Any number, by its name"), form);
 };
 
 /** The log of a regulation. */
