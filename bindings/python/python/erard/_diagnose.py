@@ -57,7 +57,8 @@ def diagnose(*, key: int | str | None = None, leads: str | None = None, **readin
         Leads in the key, grams at millimetres in front of the balance pin: "14@165, 14@147".
     **readings : float or str
         Readings by the names of the command's options: `down_weight_g=58`, `up_weight_g=18`, `let_off="3.5 mm"`. A
-        number is in the unit at the end of the name; `None` means not measured.
+        number is in the unit at the end of the name; `None` means not measured. `balance_weight_g` and
+        `friction_weight_g` (`bw`, `f`) may replace one or both of down-weight and up-weight.
 
     Returns
     -------

@@ -6,7 +6,7 @@ use clap::{Arg, ArgMatches, Args, FromArgMatches};
 use erard::instrument::utf8;
 use erard::keyboard::key_named;
 use erard::parameter::aliases;
-use erard_workshop::diagnose::{Diagnosis, Entry, Known, answer as diagnosis_json, diagnose, entries, read};
+use erard_workshop::diagnose::{Diagnosis, Entry, Known, answer as diagnosis_json, diagnose, entries, read, readings};
 use erard_workshop::measure::norms::MIDDLE_C;
 use serde_json::Value;
 
@@ -63,7 +63,7 @@ fn option(entry: &Entry) -> String {
 
 impl Args for Readings {
     fn augment_args(command: clap::Command) -> clap::Command {
-        entries().iter().fold(command, |command, entry| {
+        readings().fold(command, |command, entry| {
             let long = option(entry);
             let names = std::iter::once(entry.name).chain(entry.also.iter().copied());
             let names = names.flat_map(|name| [vec![name.to_owned()], aliases(name)].concat());
@@ -88,7 +88,7 @@ impl Args for Readings {
 impl FromArgMatches for Readings {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let given = |entry: &'static Entry| Some((entry, matches.get_one::<String>(entry.name)?.clone()));
-        Ok(Readings(entries().iter().filter_map(given).collect()))
+        Ok(Readings(readings().filter_map(given).collect()))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -139,6 +139,7 @@ impl Diagnose {
             let wrong = |expected: String| Failure::Usage(format!("--{} {text}: expected {expected}", option(entry)));
             known.enter(entry, text).map_err(wrong)?;
         }
+        known.settle().map_err(|error| Failure::Usage(error.to_string()))?;
         if known.is_empty() {
             return Err(Failure::Usage(
                 "no reading was given; expected options such as --down-weight 58 --up-weight 18, a table (CSV), or a measure.json; \

@@ -26,13 +26,13 @@ use crate::weigh::{Work, again, again_text, html, report, table, text, weighed_p
 /// What is asked of weighed keys.
 #[derive(Debug, Args)]
 pub(crate) struct WeighOptions {
-    /// Weights measured on a piano, a CSV with key (or note), strike weight, front weight, down-weight and up-weight;
-    /// keys and cells may be missing. Writes a work list by operation: friction, hammers, leads. Lengths and unmeasured
-    /// values come from KEYBOARD
+    /// Weights measured on a piano, a CSV with key (or note), strike weight, front weight, down-weight and up-weight
+    /// (or balance weight and friction weight); keys and cells may be missing. Writes a work list by operation:
+    /// friction, hammers, leads. Lengths and unmeasured values come from KEYBOARD
     #[arg(long, value_name = "MEASURED.csv", conflicts_with_all = ["every", "key"])]
     weigh: Option<std::path::PathBuf>,
-    /// Target for every key: balance=38g, or inertia=0.25kg, or both [default: the balance weight nearest to the median
-    /// with which down-weight and up-weight can be usual]
+    /// Target for every key: balance=38g, or inertia=0.25kg, or both; without a unit g and kg [default: the balance
+    /// weight nearest to the median with which down-weight and up-weight can be usual]
     #[arg(long = "target", value_name = "WHAT=VALUE", requires = "weigh")]
     targets: Vec<String>,
     /// First bring all strike weights to their smooth curve (or to the target inertia), then add leads. Without it,

@@ -55,6 +55,11 @@ fn readings_are_typed_with_any_unit() {
         ["--down-weight", "58g", "--up-weight", "18 gf", "--dip", "0.4in", "--blow", "1.875in"],
         ["--dw", "58,0", "--uw", "0.018kg", "--key-dip", "10,16 mm", "--blow", "1 7/8\""],
         ["--d", "+58", "--u", "18.0", "--dip", "1.016 cm", "--blow", "1-7/8in"],
+        // Balance weight and friction weight: D = BW + F, U = BW - F.
+        ["--balance-weight", "38", "--friction-weight", "20g", "--dip", "0.4in", "--blow", "1.875in"],
+        ["--bw", "38,0 g", "--f", "+20", "--dip", "0.4in", "--blow", "1.875in"],
+        ["--bw", "0.038kg", "--d", "58", "--dip", "0.4in", "--blow", "1.875in"],
+        ["--f", "20", "--uw", "18", "--dip", "0.4in", "--blow", "1.875in"],
     ] {
         assert_eq!(found(&arguments), own, "{arguments:?}");
     }
@@ -86,6 +91,12 @@ fn what_may_mean_two_things_is_refused() {
         ("diagnose", &["--dip", "10g"], "units: m, dm, cm, mm"),
         ("diagnose", &["--down-weight", "58mm"], "units: kg, g, oz, lb, N"),
         ("diagnose", &["--blow", "1,875"], "`1.875` or `1875`"),
+        ("diagnose", &["--bw", "38"], "a balance weight BW of 38 g alone; expected the friction weight F"),
+        ("diagnose", &["--f", "20"], "a friction weight F of 20 g alone; expected the balance weight BW"),
+        ("diagnose", &["--d", "50", "--u", "26", "--bw", "30"], "expected 38 g, which follows from these"),
+        ("diagnose", &["--bw", "38", "--f", "20", "--d", "50"], "a friction weight F of 20 g beside"),
+        ("diagnose", &["--f", "-2", "--bw", "38"], "a number from 0 to 100 g"),
+        ("keyboard", &["concert-grand", "--weigh", "x.csv", "--leads", "10mm"], "`mm` is not one of its units"),
         ("draw", &["--at", "10 mm"], "milliseconds"),
         ("play", &["x.mid", "--from", "1 m"], "`m` is not one of its units"),
     ] {

@@ -1,7 +1,8 @@
 //! Weights read from a table: one row per key; keys and cells may be missing.
 
+use super::equation::WeightReadings;
 use super::leads::Lead;
-use super::rows::{MeasuredError, number, rows_of_keys};
+use super::rows::{MeasuredError, number, ratio, rows_of_keys};
 
 /// Measured weights of a key; `None` if not weighed.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -30,7 +31,16 @@ struct Column {
     also: &'static [&'static str],
     limits: [f64; 2],
     unit: &'static str,
-    cell: fn(&mut MeasuredKey) -> &mut Option<f64>,
+    cell: fn(&mut Row) -> &mut Option<f64>,
+}
+
+/// Cells of a row.
+#[derive(Default)]
+struct Row {
+    key: MeasuredKey,
+    /// BW and F, g: read instead of D and U.
+    balance_g: Option<f64>,
+    friction_g: Option<f64>,
 }
 
 const fn column(
@@ -38,32 +48,40 @@ const fn column(
     also: &'static [&'static str],
     limits: [f64; 2],
     unit: &'static str,
-    cell: fn(&mut MeasuredKey) -> &mut Option<f64>,
+    cell: fn(&mut Row) -> &mut Option<f64>,
 ) -> Column {
     Column { name, also, limits, unit, cell }
 }
 
-const COLUMNS: [Column; 6] = [
-    column("strike_weight_g", &["strike_weight", "sw", "sw_g"], [1.0, 30.0], "g", |key| &mut key.strike_weight_g),
-    column("front_weight_g", &["front_weight", "fw", "fw_g"], [-60.0, 100.0], "g", |key| &mut key.front_weight_g),
-    column("down_weight_g", &["down_weight", "dw", "dw_g", "d"], [0.0, 200.0], "g", |key| &mut key.down_weight_g),
-    column("up_weight_g", &["up_weight", "uw", "uw_g", "u"], [-50.0, 150.0], "g", |key| &mut key.up_weight_g),
+/// Least and largest balance weight that can be read, g: between the limits of D and U.
+pub(crate) const BALANCE_LIMITS_G: [f64; 2] = [-25.0, 175.0];
+/// Least and largest friction weight that can be read, g.
+pub(crate) const FRICTION_LIMITS_G: [f64; 2] = [0.0, 100.0];
+
+const COLUMNS: [Column; 8] = [
+    column("strike_weight_g", &["strike_weight", "sw", "sw_g"], [1.0, 30.0], "g", |row| &mut row.key.strike_weight_g),
+    column("front_weight_g", &["front_weight", "fw", "fw_g"], [-60.0, 100.0], "g", |row| &mut row.key.front_weight_g),
+    column("down_weight_g", &["down_weight", "dw", "dw_g", "d"], [0.0, 200.0], "g", |row| &mut row.key.down_weight_g),
+    column("up_weight_g", &["up_weight", "uw", "uw_g", "u"], [-50.0, 150.0], "g", |row| &mut row.key.up_weight_g),
     column(
         "whippen_weight_g",
         &["whippen_weight", "wippen_weight_g", "wippen_weight", "ww", "ww_g"],
         [5.0, 50.0],
         "g",
-        |key| &mut key.whippen_weight_g,
+        |row| &mut row.key.whippen_weight_g,
     ),
-    column("key_ratio", &["kr"], [0.3, 0.8], "", |key| &mut key.key_ratio),
+    column("balance_weight_g", &["balance_weight", "bw", "bw_g"], BALANCE_LIMITS_G, "g", |row| &mut row.balance_g),
+    column("friction_weight_g", &["friction_weight", "f", "f_g"], FRICTION_LIMITS_G, "g", |row| &mut row.friction_g),
+    column("key_ratio", &["kr"], [0.3, 0.8], "", |row| &mut row.key.key_ratio),
 ];
 
 /// Reads a table: a header that names `key` (1 to 88, or C4) or `note` (A0 to C8), and any of `strike_weight_g`,
 /// `front_weight_g`, `down_weight_g`, `up_weight_g`, `whippen_weight_g`, `key_ratio`, `leads` (such as `14@165 14@147`:
-/// grams at millimetres in front of the balance pin). The trade's letters (SW, FW, DW, UW, WW, KR) are accepted; other
-/// columns are ignored. Cells end at commas, or at semicolons or tabs if the header has one, and then decimals may have
-/// commas. Empty cells were not weighed; lines that begin with `#` are comments. Keys are returned in ascending order.
-/// `file` appears in errors only.
+/// grams at millimetres in front of the balance pin). `balance_weight_g` and `friction_weight_g` may replace
+/// down-weight and up-weight. The trade's letters (SW, FW, DW, UW, BW, F, WW, KR) are accepted; other columns are
+/// ignored. Cells end at commas, or at semicolons or tabs if the header has one, and then decimals may have commas.
+/// Empty cells were not weighed; lines that begin with `#` are comments. Keys are returned in ascending order. `file`
+/// appears in errors only.
 ///
 /// # Errors
 /// The first error, with line and column.
@@ -85,19 +103,26 @@ pub fn read(text: &str, file: &str) -> Result<Vec<MeasuredKey>, MeasuredError> {
     }
     let mut keys: Vec<MeasuredKey> = Vec::new();
     for row in table.rows {
-        let mut measured = MeasuredKey { key: row.key, leads: row.leads, ..MeasuredKey::default() };
+        let key = MeasuredKey { key: row.key, leads: row.leads, ..MeasuredKey::default() };
+        let mut read = Row { key, ..Row::default() };
         for &(index, column) in &columns {
             let text = row.cells.get(index).map_or("", String::as_str);
             if text.is_empty() {
                 continue;
             }
             let [least, most] = column.limits;
-            let value = number(text).filter(|value| (least..=most).contains(value)).ok_or_else(|| {
+            let value = if column.unit.is_empty() { ratio(text) } else { number(text) };
+            let value = value.filter(|value| (least..=most).contains(value)).ok_or_else(|| {
                 let expected = format!("a number from {least} to {most} {}", column.unit);
                 fault(row.line, &table.names[index], format!("`{text}`"), expected.trim_end().to_owned())
             })?;
-            *(column.cell)(&mut measured) = Some(value);
+            *(column.cell)(&mut read) = Some(value);
         }
+        let Row { key: mut measured, balance_g, friction_g } = read;
+        let weights =
+            WeightReadings { down_g: measured.down_weight_g, up_g: measured.up_weight_g, balance_g, friction_g };
+        (measured.down_weight_g, measured.up_weight_g) =
+            weights.down_and_up().map_err(|wrong| fault(row.line, wrong.name, wrong.what, wrong.expected))?;
         if let (Some(down), Some(up)) = (measured.down_weight_g, measured.up_weight_g)
             && up > down
         {
@@ -132,6 +157,11 @@ mod tests {
         let keys = read(german, "b.csv").unwrap();
         assert_eq!((keys[0].key, keys[0].strike_weight_g), (1, Some(10.4)));
         assert_eq!(keys[1].leads, [Lead { mass_g: 14.0, at_mm: 165.0 }, Lead { mass_g: 14.0, at_mm: 147.5 }]);
+        // Balance weight and friction weight instead of down-weight and up-weight.
+        for text in ["key,BW,F\n40,38,12\n", "key,DW,BW\n40,50,38\n", "key;f;Up weight\n40;12,0;26\n"] {
+            let keys = read(text, "d.csv").unwrap();
+            assert_eq!((keys[0].down_weight_g, keys[0].up_weight_g), (Some(50.0), Some(26.0)), "{text}");
+        }
         assert_eq!(read("key\tWW\tKR\n3\t18,5\t0,53\n", "c").unwrap()[0].key_ratio, Some(0.53));
     }
 
@@ -151,8 +181,11 @@ mod tests {
             ("key,SW\n1,8700\n", "`8700`"),
             ("key,SW\n1,8,7\n", "3 cells where the header has 2"),
             ("key,DW,UW\n1,20,50\n", "are they swapped?"),
+            ("key,BW\n1,38\n", "m.csv:2: column `balance_weight_g`: a balance weight BW of 38 g alone"),
+            ("key,DW,UW,BW\n1,50,26,30\n", "expected 38 g, which follows from these"),
             ("key,SW,leads\n1,8,14g\n", "column `leads`: `14g`"),
             ("key,SW,sw_g\n1,8,8\n", "named twice"),
+            ("key,KR\n1,0.5g\n", "column `kr`: `0.5g`; expected a number from 0.3 to 0.8"),
         ] {
             let error = read(text, "m.csv").unwrap_err().to_string();
             assert!(error.contains(told), "{text:?}: {error}");

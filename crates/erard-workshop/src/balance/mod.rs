@@ -25,8 +25,10 @@ mod smooth;
 pub use check::{Checked, check};
 
 pub use equation::Parts;
+pub(crate) use equation::WeightReadings;
 pub(crate) use leads::lead_work;
 pub use leads::{LEADS_G, Lead, LeadChoice, LeadWork, moved_inertia_g};
+pub(crate) use measured::{BALANCE_LIMITS_G, FRICTION_LIMITS_G};
 pub use measured::{MeasuredKey, read};
 pub use model::KeyModel;
 pub(crate) use model::add_mass;

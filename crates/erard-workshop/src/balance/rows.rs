@@ -1,6 +1,6 @@
 //! Tables with a row for each key, as written by spreadsheets.
 
-use erard::parameter::Quantity;
+use erard::parameter::{Bare, Quantity};
 use std::fmt;
 
 use erard::keyboard::{KEYS, key_named};
@@ -164,6 +164,11 @@ fn cell(text: &str) -> &str {
 /// Reads a weight in g, which is also the unit of a number without one.
 pub(super) fn number(text: &str) -> Option<f64> {
     Quantity::Weight.read_in(text, "g").ok()
+}
+
+/// Reads a number without a unit.
+pub(super) fn ratio(text: &str) -> Option<f64> {
+    Quantity::Number.read(text, Bare::Si).ok()
 }
 
 /// Returns the key by its number or note; else the column and text at fault.

@@ -4,7 +4,7 @@ use erard::keyboard::note_name;
 use serde_json::{Value, json};
 
 use super::cause::Cause;
-use super::entry::{Entry, Impossible, entries};
+use super::entry::{Entry, Impossible, entries, readings};
 use super::geometry::Band;
 use super::report::{Diagnosis, Judged, Ranked, Standing, Suggestion};
 
@@ -201,7 +201,7 @@ pub fn form(key: usize) -> Value {
             "how": entry.how,
         })
     };
-    entries().iter().map(of).collect()
+    readings().map(of).collect()
 }
 
 /// Returns the errors of typed readings, for a form: each with the `name` of its entry (`key`, `leads`; empty if it

@@ -5,7 +5,7 @@ use erard::keyboard::is_sharp;
 use erard::parameter::{NumberError, Quantity as Physical};
 
 use super::bench::Bench;
-use crate::balance::Lead;
+use crate::balance::{BALANCE_LIMITS_G, FRICTION_LIMITS_G, Lead, WeightReadings};
 use crate::measure::usual::usual;
 use crate::worklist::{Quantity, Readings};
 use erard::parameter::canonical_name;
@@ -277,16 +277,46 @@ const TABLE: [Entry; ENTRIES] = [
     ),
 ];
 
+/// Weights that may be read instead of down-weight and up-weight, which follow from them.
+const INSTEAD: [Entry; 2] = [
+    entry(
+        "balance_weight_g",
+        "balance weight BW",
+        "g",
+        &["bw", "balance_weight", "balance"],
+        BALANCE_LIMITS_G,
+        1.0,
+        1,
+        "(D + U) / 2, instead of the down-weight or the up-weight",
+    ),
+    entry(
+        "friction_weight_g",
+        "friction weight F",
+        "g",
+        &["f", "friction_weight", "friction"],
+        FRICTION_LIMITS_G,
+        1.0,
+        1,
+        "(D - U) / 2, instead of the down-weight or the up-weight",
+    ),
+];
+
 /// Usual range at a key, open ends infinite; `None` if there is none.
 pub(super) fn usual_range(line: &str, key: usize) -> Option<[f64; 2]> {
     let [low, high] = usual(line)?.at(key);
     Some([low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)])
 }
 
-/// Returns all entries.
+/// Returns the entries of a diagnosis.
 #[must_use]
 pub fn entries() -> &'static [Entry] {
     &TABLE
+}
+
+/// Returns all that can be entered: the entries, and balance weight and friction weight instead of two of them.
+pub fn readings() -> impl Iterator<Item = &'static Entry> {
+    let [weights, others] = [&TABLE[..=at::UP], &TABLE[at::UP + 1..]];
+    weights.iter().chain(&INSTEAD).chain(others)
 }
 
 impl Entry {
@@ -357,6 +387,8 @@ pub struct Known {
     pub is_not_caught: bool,
     /// Leads in the key; empty if not given.
     pub leads: Vec<Lead>,
+    /// BW and F as read, g, until [`Known::settle`].
+    instead: [Option<f64>; 2],
 }
 
 /// An impossible reading.
@@ -386,7 +418,25 @@ impl Known {
     pub fn set(&mut self, name: &str, value: Option<f64>) {
         if let Some(at) = TABLE.iter().position(|entry| entry.name == name) {
             self.values[at] = value;
+        } else if let Some(at) = INSTEAD.iter().position(|entry| entry.name == name) {
+            self.instead[at] = value;
         }
+    }
+
+    /// Replaces balance weight and friction weight by the down-weight and the up-weight that follow from them.
+    ///
+    /// # Errors
+    /// One of them alone, or one that contradicts the down-weight and the up-weight.
+    pub fn settle(&mut self) -> Result<(), Impossible> {
+        let [balance_g, friction_g] = std::mem::take(&mut self.instead);
+        let [down_g, up_g] = [self.values[at::DOWN], self.values[at::UP]];
+        let read = WeightReadings { down_g, up_g, balance_g, friction_g };
+        (self.values[at::DOWN], self.values[at::UP]) = read.down_and_up().map_err(|fault| Impossible {
+            entry: fault.name,
+            what: fault.what,
+            expected: fault.expected,
+        })?;
+        Ok(())
     }
 
     /// Whether no reading is known.
@@ -489,9 +539,9 @@ mod tests {
     /// Every name belongs to one entry, also regional ones.
     #[test]
     fn names_are_one_entrys() {
-        let names = || TABLE.iter().flat_map(|entry| std::iter::once(entry.name).chain(entry.also.iter().copied()));
+        let names = || readings().flat_map(|entry| std::iter::once(entry.name).chain(entry.also.iter().copied()));
         for name in names() {
-            assert_eq!(TABLE.iter().filter(|entry| entry.is_called(name)).count(), 1, "{name}");
+            assert_eq!(readings().filter(|entry| entry.is_called(name)).count(), 1, "{name}");
         }
         for (name, entry) in [("Set-off", "let_off_mm"), ("Wippen weight", "whippen_weight_g"), ("DW", "down_weight_g")]
         {

@@ -27,7 +27,7 @@ pub use answer::{BASIS, answer, explained_as, faults, form, joined};
 pub use bench::{Bench, passes};
 pub use cause::{Cause, causes};
 pub use effect::{check_effects, effects_csv};
-pub use entry::{Entry, Impossible, Known, entries};
+pub use entry::{Entry, Impossible, Known, entries, readings};
 pub use geometry::{Band, Geometry};
 pub use inject::{inject, injected_amount};
 pub use report::{Diagnosis, Judged, Ranked, Standing, Suggestion, diagnose};

@@ -1,6 +1,6 @@
 //! Readings of many keys from CSV: a row for each key; cells may be missing.
 
-use super::entry::{Entry, Known, entries};
+use super::entry::{Entry, Known, readings};
 use crate::balance::{MeasuredError, rows_of_keys};
 use erard::parameter::NumberError;
 
@@ -15,7 +15,7 @@ pub fn read(text: &str, file: &str) -> Result<Vec<(usize, Known)>, MeasuredError
     let fault = MeasuredError::in_file(file);
     const HEADER: &str = "key,down_weight_g,up_weight_g,let_off_mm,drop_mm";
     let table = rows_of_keys(text, file, HEADER)?;
-    let of = |name: &str| entries().iter().find(|entry| entry.is_called(name));
+    let of = |name: &str| readings().find(|entry| entry.is_called(name));
     let columns: Vec<(usize, &Entry)> =
         table.names.iter().enumerate().filter_map(|(at, name)| Some((at, of(name)?))).collect();
     for (at, (index, entry)) in columns.iter().enumerate() {
@@ -40,7 +40,10 @@ pub fn read(text: &str, file: &str) -> Result<Vec<(usize, Known)>, MeasuredError
             }
         }
         known.leads = row.leads;
-        known.check().map_err(|error| fault(row.line, error.entry, error.what, error.expected))?;
+        known
+            .settle()
+            .and_then(|()| known.check())
+            .map_err(|error| fault(row.line, error.entry, error.what, error.expected))?;
         if !known.is_empty() {
             keys.push((row.key, known));
         }

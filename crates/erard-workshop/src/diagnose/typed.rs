@@ -3,7 +3,7 @@
 use erard::keyboard::key_named;
 use serde_json::{Map, Value};
 
-use super::entry::{Entry, Impossible, Known, entries};
+use super::entry::{Entry, Impossible, Known, readings};
 use crate::balance::Lead;
 
 /// Readings of one key.
@@ -48,7 +48,7 @@ impl Typed {
                     Ok(leads) => typed.known.leads = leads,
                     Err(found) => faults.push(wrong("leads", format!("`{found}`"), Lead::EXPECTED)),
                 }
-            } else if let Some(entry) = entries().iter().find(|entry| entry.is_called(&name)) {
+            } else if let Some(entry) = readings().find(|entry| entry.is_called(&name)) {
                 if entered.contains(&entry) {
                     faults.push(wrong(entry.name, format!("`{name}` is another name for it"), "each reading once"));
                 } else if let Err(expected) = typed.known.enter(entry, text) {
@@ -56,9 +56,13 @@ impl Typed {
                 }
                 entered.push(entry);
             } else {
-                let known = entries().iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ");
+                let known = readings().map(|entry| entry.name).collect::<Vec<_>>().join(", ");
                 faults.push(wrong("", format!("unknown reading `{name}`"), &format!("key, leads, {known}")));
             }
+        }
+        let weights = ["down_weight_g", "up_weight_g", "balance_weight_g", "friction_weight_g"];
+        if !faults.iter().any(|fault| weights.contains(&fault.entry)) {
+            faults.extend(typed.known.settle().err());
         }
         faults.extend(typed.known.faults());
         if faults.is_empty() && typed.known.is_empty() {
@@ -123,6 +127,10 @@ mod tests {
             (r#"{"key": "C4", "leads": "14@165"}"#, "no reading was given"),
             (r#"{"colour": 1}"#, "unknown reading `colour`; expected key, leads, down_weight_g"),
             (r#"{"d": 50, "dw": 50}"#, "each reading once"),
+            (r#"{"bw": 38}"#, "a balance weight BW of 38 g alone; expected the friction weight F, a down-weight D"),
+            (r#"{"d": 50, "u": 26, "f": 20}"#, "expected 12 g, which follows from these"),
+            (r#"{"bw": "38mm", "f": 12}"#, "a number from -25 to 175 g (units: kg, g, oz, lb, N"),
+            (r#"{"bw": 38, "f": -1}"#, "a number from 0 to 100 g"),
         ] {
             let found = faults(json);
             assert!(found.len() == 1 && found[0].1.contains(told), "{json}: {found:?}");
