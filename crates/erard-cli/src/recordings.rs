@@ -34,7 +34,7 @@ pub(crate) struct RecordingOptions {
     #[arg(long, value_name = "WHOSE", value_parser = one_of(&POSITIONS))]
     position: Option<PositionOf>,
     /// Zero of the channels: `rest` (the mean of the rest before the touch, if there is one), `off` (numbers as they
-    /// are in the file), or what a channel reads at its zero, e.g. position=0.4mm,force=3gf
+    /// are in the file), or what a channel reads at its zero, with its unit, e.g. position=0.4mm,force=3gf
     #[arg(
         long, value_name = "rest|off|CHANNEL=VALUE", value_delimiter = ',', value_parser = zero, default_value = "rest"
     )]
@@ -42,7 +42,7 @@ pub(crate) struct RecordingOptions {
     /// Channels whose sign to reverse: force, position, hammer
     #[arg(long, value_name = "CHANNELS", value_delimiter = ',', value_parser = channel)]
     invert: Vec<Role>,
-    /// Delay of a channel behind the others, e.g. force=1.5ms; it is removed
+    /// Delay of a channel behind the others, with its unit, e.g. force=1.5ms; it is removed
     #[arg(long, value_name = "CHANNEL=TIME", value_delimiter = ',', value_parser = delay)]
     delay: Vec<(Role, f64)>,
     /// Low-pass filter (Butterworth, forward and backward, hence without delay): the frequency in Hz at which

@@ -8,11 +8,11 @@
 //!
 //! The header names the clock (`time_s`, or `time_us` of 32 bits that wraps around) and the sensed quantity: `mm` of
 //! the sensed place, `N` at the key's front, `raw` readings of a converter, or `pressure`, the polyphonic pressure 0 to
-//! 127 of a device that uses it for depth. A key is a number from 1 (the lowest A) to 88; `sustain`, `sostenuto` and
-//! `soft` are pedals, from 0 (up) to 1 (down). Times do not descend. A sender may omit keys at rest; it sends a key off
-//! its rest at the full rate. Blank lines and lines that begin with `#` are left out.
+//! 127 of a device that uses it for depth. A key is a number from 1 (the lowest A) to 88, or a note (`A0`); `sustain`,
+//! `sostenuto` and `soft` are pedals, from 0 (up) to 1 (down). Times do not descend. A sender may omit keys at rest; it
+//! sends a key off its rest at the full rate. Blank lines and lines that begin with `#` are left out.
 
-use erard::keyboard::KEYS;
+use erard::keyboard::key_named;
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
 
 /// Longest line, bytes; longer input without a line's end is discarded.
@@ -78,7 +78,7 @@ pub enum Fault {
         found: String,
     },
     /// There is no such key.
-    #[error("key is `{found}`; expected 1 to 88, `sustain`, `sostenuto` or `soft`")]
+    #[error("key is `{found}`; expected 1 to 88, a note from A0 to C8, `sustain`, `sostenuto` or `soft`")]
     Key {
         /// The text found.
         found: String,
@@ -168,10 +168,7 @@ impl Reader {
             "sustain" => Of::Pedal(SUSTAIN),
             "sostenuto" => Of::Pedal(SOSTENUTO),
             "soft" => Of::Pedal(SOFT),
-            key => {
-                let found = key.parse().ok().filter(|key| (1..=KEYS).contains(key));
-                Of::Key(found.ok_or_else(|| Fault::Key { found: cut(key) })?)
-            }
+            key => Of::Key(key_named(key).ok_or_else(|| Fault::Key { found: cut(key) })?),
         };
         let time_s = if self.head.in_microseconds { self.unwrapped_s(time) } else { time };
         Ok(Some(Sample { time_s, of, value }))

@@ -49,8 +49,8 @@ pub(crate) struct Fit {
     /// repeated
     #[arg(long, value_name = "NAME=LOW..HIGH", allow_hyphen_values = true)]
     bounds: Vec<String>,
-    /// Starting value of a parameter, e.g. `body.hammer.mass=10g` or `body.hammer.mass=x1.1`; can be repeated [default:
-    /// the instrument as it is]
+    /// Starting value of a parameter, e.g. `body.hammer.mass=10g` or `body.hammer.mass=x1.1`; a bare number is in mm,
+    /// deg, g or N mm; can be repeated [default: the instrument as it is]
     #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
     start: Vec<String>,
     /// Channel that drives the model [default: force if there is one, else the recorded motion]
@@ -59,8 +59,8 @@ pub(crate) struct Fit {
     /// Channels to compare, of force, position, hammer, hammer_speed [default: all but the one that drives]
     #[arg(long, value_name = "CHANNEL,..", value_delimiter = ',', value_parser = channel)]
     compare: Vec<Role>,
-    /// Noise of a channel, root mean square, e.g. force=0.02N,position=10um; also for the channel that drives [default:
-    /// estimated from the recording's rest or spectrum]
+    /// Noise of a channel, root mean square, e.g. force=0.02N,position=10um, or in N, m or m/s; also for the channel
+    /// that drives [default: estimated from the recording's rest or spectrum]
     #[arg(long, value_name = "CHANNEL=NOISE,..", value_delimiter = ',', value_parser = noise)]
     sigma: Vec<(Role, f64)>,
     /// Estimate the delay of each channel behind the one that drives

@@ -39,9 +39,9 @@ pub(crate) struct Kinematics {
     /// Instrument: a TOML file, or a built-in name [default: concert-grand]
     #[arg(long, value_name = "FILE-OR-NAME")]
     instrument: Option<InstrumentSpec>,
-    /// Move a part and show it with the unmoved case; can be repeated. Negative is toward the player (x) or down.
-    /// Parts: capstan, knuckle, capstan-height, heel-depth, knuckle-depth, jack-height, whippen-x, whippen-y, hammer-x,
-    /// hammer-y; commas move several at once
+    /// Move a part and show it with the unmoved case; can be repeated. Distances have a unit; negative is toward the
+    /// player (x) or down. Parts: capstan, knuckle, capstan-height, heel-depth, knuckle-depth, jack-height, whippen-x,
+    /// whippen-y, hammer-x, hammer-y; commas move several at once
     #[arg(long = "move", value_name = "capstan=-10mm", value_parser = moves::parse)]
     moves: Vec<MoveOption>,
     /// Do not turn the capstan screw to bring the hammer of a moved case back to its rest height

@@ -73,7 +73,7 @@ pub(crate) struct Press {
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "note.wav", value_parser = wav_name)]
     wav: Option<String>,
     /// Sustain pedal, as the lift of its rail: held (7mm), or moved in straight lines between instants of the stroke
-    /// (0s=0mm,0.2s=7mm,1s=0mm). For instruments with modal strings [default: up]
+    /// (0s=0mm,0.2s=7mm,1s=0mm); without a unit mm and s. For instruments with modal strings [default: up]
     #[arg(long, value_name = "LIFT", allow_hyphen_values = true, default_value = "0mm", hide_default_value = true)]
     pedal: Pedal,
     /// Find the hand that reaches the level for each instrument and each sample of --bands. Otherwise all are played by
