@@ -17,6 +17,7 @@ import * as bench from "./bench.mjs";
 import * as page from "./page.mjs";
 import { diagnose } from "./diagnose.mjs";
 import { edges } from "./edges.mjs";
+import { typed } from "./typed.mjs";
 import * as reader from "./reader.mjs";
 import * as story from "./story.mjs";
 import * as claims from "./claims.mjs";
@@ -44,6 +45,7 @@ const tests = {
   "look back": play.replay,
   "a recording": play.recording,
   screws: bench.screws,
+  "what is typed": typed,
   "what cannot work": bench.refused,
   regulate: bench.regulate,
   "a broken file": bench.file,

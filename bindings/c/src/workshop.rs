@@ -65,7 +65,7 @@ unsafe fn vary(
     instrument: *mut ErardInstrument,
     called: *const c_char,
     change: *const c_char,
-    wanted: impl Fn(String) -> Wanted,
+    wanted: fn(String) -> Wanted,
 ) -> Result<(), Fault> {
     // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no other call uses it
     // meanwhile.

@@ -145,6 +145,11 @@ def test_a_diagnosis() -> None:
     assert found["key"] == 40 and found["is_work"] and causes == sorted(causes, reverse=True) and not found.is_key_assumed
     assert found["causes"][0]["name"] in repr(found) and "<table>" in found._repr_html_()
     assert erard.diagnose(down_weight_g=50, up_weight_g=24).is_key_assumed
+    # Balance weight and friction weight instead of down-weight and up-weight.
+    same = erard.diagnose(key="C4", bw=38, friction_weight_g="20 g", let_off_mm=None)
+    assert same["readings"] == found["readings"] and same["causes"] == found["causes"]
+    with pytest.raises(erard.InputError, match="expected 38 g, which follows from these"):
+        erard.diagnose(down_weight_g=58, up_weight_g=18, balance_weight_g=30)
     with pytest.raises(erard.InputError) as error:
         erard.diagnose(down_weight_g=18, up_weight_g=58)
     assert error.value.key
@@ -169,3 +174,32 @@ def test_texts_are_read_as_by_the_other_fronts(grand: erard.Instrument, row: str
     now, by = grand.parameters[own].value, float(told)
     wanted = by if kind == "set" else now + by if kind == "add" else now * by
     assert grand.vary({name: text}).parameters[own].value == pytest.approx(wanted, rel=1e-9, abs=1e-12)
+
+
+REGISTERED = TYPED.with_name("typed-register.tsv")
+
+
+def test_the_register_is_read_as_by_the_other_fronts() -> None:
+    """The table is generated from the register: every name, unit and spelling; Python takes the column `other`."""
+    tried, files, by_path = 0, {}, {}
+    for row in REGISTERED.read_text(encoding="utf-8").splitlines()[1:]:
+        instrument, name, text, _, expected, path, _ = row.split("\t")
+        if instrument not in files:
+            files[instrument] = erard.load(instrument)
+            by_path |= {(instrument, one.path): one for one in files[instrument].parameters.values()}
+        file = files[instrument]
+        kind, told = expected.split(" ", 1)
+        tried += 1
+        if kind == "no":
+            with pytest.raises(erard.InputError, match=re.escape(told)):
+                file.vary({name: text})
+            continue
+        changed = file.vary({name: text})
+        own = by_path.get((instrument, path))
+        if own is None:
+            # A number of the file, by its path.
+            continue
+        now, by = own.value, float(told)
+        wanted = by if kind == "set" else now + by if kind == "add" else now * by
+        assert changed.parameters[own.name].value == pytest.approx(wanted, rel=1e-8, abs=1e-15), row
+    assert tried > 400

@@ -100,3 +100,103 @@ fn texts_are_read_as_by_the_other_fronts() {
         assert!((found - wanted).abs() <= 1e-9 * wanted.abs() + 1e-12, "{row}: {found} {wanted}");
     }
 }
+
+/// Rows of `instrument, name, text, command, other, path, file_si`, generated from the register: C takes those of
+/// `other`.
+const REGISTERED: &str = include_str!("../../../../crates/erard/tests/typed-register.tsv");
+
+/// The number at a path of an instrument's file.
+fn number(instrument: *const ErardInstrument, path: &str) -> f64 {
+    let path = CString::new(path).unwrap();
+    let mut value = f64::NAN;
+    let status = unsafe { erard_instrument_get(instrument, path.as_ptr(), 0, &raw mut value) };
+    assert_eq!(status, ErardStatus::Ok, "{}", crate::last_error());
+    value
+}
+
+/// Every name, unit and spelling of the register is read as by the other fronts.
+#[test]
+fn the_register_is_read_as_by_the_other_fronts() {
+    let mut tried = 0;
+    for row in REGISTERED.lines().skip(1) {
+        let [instrument, name, text, _, expected, path, si] =
+            row.split('\t').collect::<Vec<_>>().try_into().expect("seven columns");
+        let [instrument, called, change] = [instrument, name, text].map(|text| CString::new(text).unwrap());
+        let grand = unsafe { erard_instrument_builtin(instrument.as_ptr(), null_mut()) };
+        let now = if path.is_empty() { f64::NAN } else { number(grand, path) };
+        let status = unsafe { erard_instrument_vary(grand, called.as_ptr(), change.as_ptr()) };
+        let said = crate::last_error();
+        let (kind, told) = expected.split_once(' ').expect("two words");
+        if kind == "no" {
+            assert_ne!(status, ErardStatus::Ok, "{row}");
+            assert!(said.contains(told), "{row}: {said}");
+        } else {
+            assert_eq!(status, ErardStatus::Ok, "{row}: {said}");
+            let (si, by): (f64, f64) = (si.parse().unwrap(), told.parse().unwrap());
+            let wanted = match kind {
+                "set" => by,
+                "add" => now * si + by,
+                _ => now * si * by,
+            };
+            let found = if path.is_empty() { wanted } else { number(grand, path) * si };
+            let is_close = path.is_empty() || (found - wanted).abs() <= 1e-8 * wanted.abs() + 1e-15;
+            assert!(is_close, "{row}: {found} {wanted}");
+        }
+        unsafe { erard_instrument_free(grand) };
+        tried += 1;
+    }
+    assert!(tried > 400, "{tried}");
+}
+
+/// A page's field reads a bare number in the trade's unit, as the command does, and a dial's field in the dial's.
+#[test]
+fn fields_are_read_as_the_command_reads_them() {
+    let texts = |text: &str| CString::new(text).unwrap();
+    for row in REGISTERED.lines().skip(1).filter(|row| row.starts_with("concert-grand\t")) {
+        let [_, name, text, command, other, path, si] =
+            row.split('\t').collect::<Vec<_>>().try_into().expect("seven columns");
+        if command == other || command.starts_with("no") || command == "-" {
+            continue;
+        }
+        let grand = unsafe { erard_instrument_new(null(), 0, null_mut()) };
+        let status = unsafe { erard_instrument_vary_field(grand, texts(name).as_ptr(), texts(text).as_ptr()) };
+        assert_eq!(status, ErardStatus::Ok, "{row}: {}", crate::last_error());
+        let (wanted, si): (f64, f64) = (command.strip_prefix("set ").unwrap().parse().unwrap(), si.parse().unwrap());
+        let found = number(grand, path) * si;
+        assert!((found - wanted).abs() <= 1e-8 * wanted.abs(), "{row}: {found} {wanted}");
+        unsafe { erard_instrument_free(grand) };
+    }
+    let grand = unsafe { erard_instrument_new(null(), 0, null_mut()) };
+    let read = |dial: &str, text: &str| {
+        let mut value = f64::NAN;
+        let status =
+            unsafe { erard_instrument_dial_typed(grand, texts(dial).as_ptr(), texts(text).as_ptr(), &raw mut value) };
+        (status, value)
+    };
+    let now = number(grand, "screw.let_off.setting_mm");
+    for (dial, text, expected) in [
+        ("let_off", "0.3", 0.3),
+        ("let_off", "1/64in", 25.4 / 64.0),
+        ("let_off", "+0.5", now + 0.5),
+        ("let_off", "\u{2212}0,2 mm", now - 0.2),
+        ("let_off", "x2", 2.0 * now),
+        ("hammer", "0.3oz", 8.504_856_937_5),
+        ("hammer_felt", "1.5", 1.5),
+        ("hammer_felt", "x1.5", 1.5),
+    ] {
+        let (status, value) = read(dial, text);
+        assert_eq!(status, ErardStatus::Ok, "{dial} {text}: {}", crate::last_error());
+        assert!((value - expected).abs() < 1e-7, "{dial} {text}: {value}");
+    }
+    for (dial, text, status, told) in [
+        ("let_off", "1 g", ErardStatus::Argument, "`let_off`: found `1 g`: `g` is not one of its units"),
+        ("let_off", "1,500", ErardStatus::Argument, "may be 1.500 or 1500"),
+        ("let_off", "50", ErardStatus::Range, "`let_off` is 50 mm; expected a number from"),
+        ("hammer_felt", "2 mm", ErardStatus::Argument, "expected a number"),
+        ("let_of", "1", ErardStatus::NoSuch, "there is no dial `let_of`"),
+    ] {
+        assert_eq!(read(dial, text).0, status, "{dial} {text}");
+        assert!(crate::last_error().contains(told), "{dial} {text}: {}", crate::last_error());
+    }
+    unsafe { erard_instrument_free(grand) };
+}

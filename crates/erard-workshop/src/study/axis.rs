@@ -706,6 +706,43 @@ mod tests {
         assert!(tried > 40, "{tried}");
     }
 
+    /// Rows of `instrument, name, text, command, other, path, file_si`, generated from the register: every name, unit
+    /// and spelling.
+    const REGISTERED: &str = include_str!("../../../erard/tests/typed-register.tsv");
+
+    #[test]
+    fn the_register_is_read_as_the_table_says() {
+        let mut tried = 0;
+        for instrument in Instrument::builtin_names() {
+            let grand = Instrument::builtin(instrument).unwrap();
+            let source = Source::of_text(Instrument::builtin_text(instrument).unwrap());
+            for row in REGISTERED.lines().filter(|row| row.split('\t').next() == Some(instrument)) {
+                let [_, name, text, expected, ..] = row.split('\t').collect::<Vec<_>>()[..] else { panic!("{row}") };
+                if expected == "-" {
+                    continue;
+                }
+                let found = Axis::parse(&format!("{name}={text}"), &grand, &source);
+                let (kind, told) = expected.split_once(' ').expect("two words");
+                tried += 1;
+                match (kind, found) {
+                    ("no", Err(error)) => assert!(error.contains(told), "{row}: {error}"),
+                    (_, Ok(axis)) if kind != "no" => {
+                        let (found, value) = match axis.changes[0] {
+                            Change::Set(value) => ("set", value),
+                            Change::Add(by) => ("add", by),
+                            Change::Multiply(factor) => ("times", factor),
+                        };
+                        let wanted: f64 = told.parse().unwrap();
+                        let is_close = (value - wanted).abs() <= 1e-8 * wanted.abs();
+                        assert!(found == kind && is_close, "{row}: {:?}", axis.changes);
+                    }
+                    (_, found) => panic!("{row}: {found:?}"),
+                }
+            }
+        }
+        assert!(tried > 400, "{tried}");
+    }
+
     /// Every unit, by each of its names, of every registered number of every built-in instrument.
     #[test]
     fn every_unit_of_every_number_is_read() {

@@ -38,3 +38,4 @@ mod strings;
 mod stroke_files;
 mod trust;
 mod typed_files;
+mod typed_table;
