@@ -278,7 +278,9 @@ mod tests {
         ] {
             assert_eq!(Variable::named(&grand, text, name).unwrap().per, per, "{name}");
         }
-        let error = Variable::named(&grand, text, "body.key.friction").unwrap_err().to_string();
-        assert!(error.contains("type `body.key_back.friction`"), "{error}");
+        for end in ["friction", "friction_torque_N_m"] {
+            let error = Variable::named(&grand, text, &format!("body.key.{end}")).unwrap_err().to_string();
+            assert!(error.contains(&format!("type `body.key_back.{end}`")), "{error}");
+        }
     }
 }

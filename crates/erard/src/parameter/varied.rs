@@ -463,6 +463,7 @@ mod tests {
             ("let_off", "+1", "out of range"),
             ("let_off", "nan mm", "expected a length"),
             ("body.key.friction", "2 N mm", "type `body.key_back.friction`"),
+            ("body.key.friction_torque_N_m", "x2", "type `body.key_back.friction_torque_N_m`"),
             ("let_off", "200 mm", "out of range"),
             ("body.hammer.mass", "-200 g", "out of range"),
             ("body.hammer.mass", "*0", "out of range"),
