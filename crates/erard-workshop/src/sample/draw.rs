@@ -9,9 +9,10 @@ const SIZED_AT: f64 = 0.05;
 /// Compression at which that force is kept if the file has no thickness, m.
 const SIZED_AT_M: f64 = 1e-4;
 
-/// Returns the text of a file with its numbers drawn; `None` if no number has a spread. All numbers that are `together`
-/// get the same deviation.
-pub(super) fn drawn(file: &InstrumentFile, text: &str, sample: u32, attempt: u32) -> Option<String> {
+/// Returns the text of a file with its numbers drawn, not yet adjusted on the bench; `None` if no number has a spread.
+/// All numbers that are `together` get the same deviation.
+#[must_use]
+pub fn drawn(file: &InstrumentFile, text: &str, sample: u32, attempt: u32) -> Option<String> {
     let numbers = &file.provenance.numbers;
     let mut changes: Vec<(&str, usize, f64)> = Vec::new();
     for number in numbers {

@@ -16,6 +16,7 @@ mod random;
 mod scatter;
 
 pub use band::{Band, SampleValues, band, bands, failures, unless_interrupted};
+pub use draw::drawn;
 pub use scatter::technicians_scatter;
 
 use erard::Progress;

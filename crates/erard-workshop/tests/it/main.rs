@@ -15,6 +15,7 @@ mod keyboard;
 mod measures;
 mod press_mutants;
 mod real_piano;
+mod register;
 mod regulate;
 mod samples;
 mod sensitivities;

@@ -26,7 +26,6 @@ mod player;
 mod playing;
 mod reactions;
 mod readme;
-mod register;
 mod repose;
 mod rest;
 mod robustness;
