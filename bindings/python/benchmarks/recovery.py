@@ -64,7 +64,7 @@ def main() -> None:
         texts = {name: f"{by:+}" if grand.parameters[name].is_screw else f"x{by}" for name, by in true.items()}
         data = recordings(grand.vary(texts), rng)
         bounds = {k: v for k, v in BOUNDS.items() if k in truths}
-        fit = erard.fit(grand, data, vary=list(truths), bounds=bounds, sigma=NOISE)
+        fit = erard.fit(grand, data, parameters=list(truths), bounds=bounds, sigma=NOISE)
         pull = {name: (fit.x[name] - true[name]) / fit.std[name] for name in truths}
         pulls.append(pull)
         worst = max(pull, key=lambda name: abs(pull[name]))

@@ -53,7 +53,7 @@ def of_erard(erard: str, scan: judge.Scan) -> judge.Notes:
     notes = scan.path.with_suffix(".notes.csv")
     if notes.exists():
         return judge.Notes.read(notes)
-    command = [erard, "live", str(scan.path), "--calibration", str(scan.profile), "--keyboard", "concert-grand", "--out", str(notes), "--quiet"]
+    command = [erard, "live", str(scan.path), "--calibration", str(scan.profile), "--keyboard", "concert-grand", "--out-file", str(notes), "--quiet"]
     ran = subprocess.run(command, capture_output=True, text=True)
     if ran.returncode != 0:
         raise SystemExit(f"{' '.join(command)}: {ran.stderr}")

@@ -27,7 +27,7 @@ for nuance in ("mf", "f"):
     for name, sigma in noise.items():
         rows[name] = rows[name] + sigma * rng.standard_normal(len(rows[name]))
     recordings.append(rows)
-fit = erard.fit(grand, recordings, vary=list(truth), sigma=noise)
+fit = erard.fit(grand, recordings, parameters=list(truth), sigma=noise)
 fit
 
 # %%
@@ -41,4 +41,4 @@ for name, true in truth.items():
     print(f"{name}: {fit.x[name]:.3f} +- {fit.std[name]:.3f}, true {true}")
     assert abs(fit.x[name] - true) < 4 * fit.std[name]
 cut = {name: values[:60] for name, values in recordings[0].items()}
-print(erard.fit(grand, cut, vary=["body.hammer.mass", "zone.check.stiffness"]).unseen)
+print(erard.fit(grand, cut, parameters=["body.hammer.mass", "zone.check.stiffness"]).unseen)

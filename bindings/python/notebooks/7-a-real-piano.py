@@ -56,7 +56,7 @@ for name, low_pass in (("slow", 20.0), ("medium", 250.0), ("fast", 250.0)):
 # %%
 fast = strokes["fast"]
 rise = fast[(fast.time_s > 0.2) & (fast.time_s < 0.34)].assign(time_s=lambda rows: rows.time_s - 0.2)
-fit = erard.fit(like, rise, vary=["let_off", "body.hammer.mass"], restarts=1)
+fit = erard.fit(like, rise, parameters=["let_off", "body.hammer.mass"], restarts=1)
 print(f"misfit {fit.chi2_reduced:.1f}, explained by noise {fit.chi2_expected:.1f}")
 assert fit.chi2_reduced > 2.7 * fit.chi2_expected and abs(fit.x["body.hammer.mass"] - 1.16) < 0.05
 assert {"misfit", "bound"} <= {doubt.kind for doubt in fit.doubts}

@@ -51,7 +51,7 @@ pub(crate) fn gradient<'py>(
             Some((low, high, apart)) => Variable::between(&name, &low.get().inner, &high.get().inner, apart),
             None => Variable::named(&own, "", &name),
         };
-        made.map_err(|error| wrong_argument("by", error))
+        made.map_err(|error| wrong_argument("parameters", error))
     };
     let by: Vec<Variable> = by.into_iter().map(variable).collect::<PyResult<_>>()?;
     let count = by.len();

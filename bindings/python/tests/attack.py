@@ -61,10 +61,11 @@ GOOD: dict[str, Callable[[], Any]] = {
     "saved": lambda: erard.Action(GRAND).save(),
     "steps": lambda: 3,
     "restarts": lambda: 0,
-    "most": lambda: 2,
+    "max_evaluations": lambda: 2,
     "progress": lambda: False,
     "only": lambda: ["dip_mm"],
     "vary": lambda: ["body.hammer.mass"],
+    "parameters": lambda: ["body.hammer.mass"],
     "column": lambda: "key_m",
     "time_s": lambda: [0.0, 0.01],
     "value": lambda: 5.0,
@@ -77,7 +78,7 @@ OWN: dict[str, dict[str, Callable[[], Any]]] = {
     "Action.play": {"force": lambda: [5.0, 5.0, 5.0]},
     "rollout": {"force": lambda: [[5.0, 5.0, 5.0]], "dt": lambda: 1e-3},
     "study": {"axes": lambda: {"let_off": [0.0]}},
-    "gradient": {"by": lambda: ["let_off"], "compare": lambda: False},
+    "gradient": {"parameters": lambda: ["let_off"], "compare": lambda: False},
     "Recording.at": {"column": lambda: "key_m"},
     "Recording.noise": {"column": lambda: "key_m"},
     "Keys.restore": {"saved": lambda: KEYS.save(40)},
@@ -253,7 +254,7 @@ def main(arguments: list[str]) -> int:
     with warnings.catch_warnings(), tempfile.TemporaryDirectory() as folder:
         warnings.simplefilter("ignore")
         os.chdir(folder)
-        FITTED = erard.fit(GRAND, _recording(), vary=["body.hammer.mass"], sigma={"key_m": 1e-4, "force_N": 0.0}, restarts=0, most=2, progress=False)
+        FITTED = erard.fit(GRAND, _recording(), parameters=["body.hammer.mass"], sigma={"key_m": 1e-4, "force_N": 0.0}, restarts=0, max_evaluations=2, progress=False)
         if arguments[0] == "--show":
             print(call(int(arguments[1]))[0])
             return 0

@@ -27,10 +27,10 @@ def test_the_command_finds_the_same(tmp_path: Path) -> None:
     paths = [RECORDINGS / f"heavier-{nuance}.csv" for nuance in ("mf", "f")]
     bounds = {"body.hammer.mass": ("x0.5", "x2"), "let_off": ("-1 mm", "+1 mm")}
     ends = {"body.hammer.mass": (0.5, 2.0), "let_off": (-1e-3, 1e-3)}
-    fitted = erard.fit(erard.load("concert-grand"), [erard.Recording(path) for path in paths], vary=VARY, bounds=bounds, sigma=SIGMA, restarts=1)
+    fitted = erard.fit(erard.load("concert-grand"), [erard.Recording(path) for path in paths], parameters=VARY, bounds=bounds, sigma=SIGMA, restarts=1)
     ran = subprocess.run(
         [
-            command(), "fit", "concert-grand", *map(str, paths), "--vary", ",".join(VARY),
+            command(), "fit", "concert-grand", *map(str, paths), "--parameters", ",".join(VARY),
             "--bounds", "body.hammer.mass=x0.5..2", "--bounds", "let_off=-1..1", "--sigma", "force=0.02,position=1e-5,hammer=5e-5",
             "--restarts", "1", "--no-pictures", "--json", "--out", str(tmp_path / "fit"),
         ],

@@ -62,7 +62,7 @@ def test_rollouts_fits_and_data_sets(grand: erard.Instrument, cluster, tmp_path:
     assert over.read().equals(dataset.read(dataset.write(plan, tmp_path / "e", progress=False)))
     pytest.importorskip("scipy")
     runs = [grand.vary({"body.hammer.mass": f"x{f}"}).press(force=5.0, duration=0.06) for f in (0.95, 1.05)]
-    fits = distributed.fit(grand, runs, vary=["body.hammer.mass"], columns=["key_m"], sigma={"key_m": 1e-5}, client=cluster)
+    fits = distributed.fit(grand, runs, parameters=["body.hammer.mass"], columns=["key_m"], sigma={"key_m": 1e-5}, client=cluster)
     assert [fit["x"]["body.hammer.mass"] for fit in fits] == pytest.approx([0.95, 1.05], abs=0.01)
 
 

@@ -151,7 +151,7 @@ def test_the_readmes_agent_plays(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(("module", "extra", "call"), [
-    ("scipy.optimize", "scipy", lambda grand, run: erard.fit(grand, run, vary=["body.hammer.mass"], minimizer="scipy")),
+    ("scipy.optimize", "scipy", lambda grand, run: erard.fit(grand, run, parameters=["body.hammer.mass"], minimizer="scipy")),
     ("pandas", "tables", lambda grand, run: run.to_pandas()),
     ("matplotlib.pyplot", "plot", lambda grand, run: run.plot()),
 ])  # fmt: skip

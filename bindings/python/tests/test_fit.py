@@ -37,7 +37,7 @@ def texts(changes: dict[str, float]) -> dict[str, str]:
 @pytest.fixture(scope="module")
 def found(rigid: erard.Instrument) -> erard.Fit:
     data = [recorded(rigid.vary(texts(TRUE)), seed, stroke) for seed, stroke in enumerate(["p", "f"])]
-    return erard.fit(rigid, data, vary=list(TRUE), bounds=BOUNDS, sigma=NOISE)
+    return erard.fit(rigid, data, parameters=list(TRUE), bounds=BOUNDS, sigma=NOISE)
 
 
 def test_the_truth_is_found_within_its_errors(found: erard.Fit) -> None:
@@ -59,7 +59,7 @@ def test_the_truth_is_found_within_its_errors(found: erard.Fit) -> None:
 def test_derivatives_of_the_model_find_the_same(rigid: erard.Instrument, found: erard.Fit) -> None:
     """In place of differences: the same place within a fifth of its errors, and the same errors."""
     data = [recorded(rigid.vary(texts(TRUE)), seed, stroke) for seed, stroke in enumerate(["p", "f"])]
-    exact = erard.fit(rigid, data, vary=list(TRUE), bounds=BOUNDS, sigma=NOISE, jacobian="gradient")
+    exact = erard.fit(rigid, data, parameters=list(TRUE), bounds=BOUNDS, sigma=NOISE, jacobian="gradient")
     assert exact.differentiated > 0 == found.differentiated and "with derivatives" in str(exact)
     for name in TRUE:
         assert abs(exact.x[name] - found.x[name]) < 0.2 * found.std[name], (name, exact.x[name], found.x[name], found.std[name])
@@ -71,7 +71,7 @@ def test_both_jacobians_are_one(rigid: erard.Instrument) -> None:
     impact_s = rigid.vary(texts(TRUE)).press(stroke="mf").events["hammer_contact"]
     late = recorded(rigid.vary(texts(TRUE)), late_s=0.3e-3)
     late = {column: values[late["time_s"] < impact_s] for column, values in late.items()}
-    fitted = erard.fit(rigid, late, vary=list(TRUE), bounds=BOUNDS, sigma=NOISE, delay=True, restarts=0)
+    fitted = erard.fit(rigid, late, parameters=list(TRUE), bounds=BOUNDS, sigma=NOISE, delays=True, restarts=0)
     problem, point = fitted._problem, fitted._point
     exact, differences = problem.jacobian(point, exact=True), problem.jacobian(point)
     assert exact.shape == (len(fitted.residuals), 6)
@@ -87,7 +87,7 @@ def test_scipy_finds_the_same(rigid: erard.Instrument) -> None:
     """Another solver of the same residuals, through the same stages: the same place within a tenth of its errors. What it raises is raised."""
     pytest.importorskip("scipy")
     data = recorded(rigid.vary({"body.hammer.mass": "x1.05"}))
-    options = {"vary": ["body.hammer.mass"], "sigma": NOISE, "restarts": 0}
+    options = {"parameters": ["body.hammer.mass"], "sigma": NOISE, "restarts": 0}
     own, other = (erard.fit(rigid, data, minimizer=minimizer, **options) for minimizer in ("erard", "scipy"))
     assert other.message != own.message and other.message.startswith(("`", "Both", "The"))
     assert other.x["body.hammer.mass"] == pytest.approx(own.x["body.hammer.mass"], abs=0.1 * own.std["body.hammer.mass"])
@@ -112,20 +112,20 @@ def test_what_is_not_seen_is_said(rigid: erard.Instrument) -> None:
     """A soft stroke that never reaches the check tells nothing of its felt."""
     data = recorded(rigid, stroke="pp")
     cut = {name: values[:150] for name, values in data.items()}
-    blind = erard.fit(rigid, cut, vary=["body.hammer.mass", "zone.check.stiffness"], sigma=NOISE, bounds={"body.hammer.mass": ("x0.5", "x2")})
+    blind = erard.fit(rigid, cut, parameters=["body.hammer.mass", "zone.check.stiffness"], sigma=NOISE, bounds={"body.hammer.mass": ("x0.5", "x2")})
     assert blind.std["zone.check.stiffness"] > 100
     assert any("zone.check.stiffness" in told for told in blind.unseen) and "Not seen" in str(blind)
     assert blind.singular_values[-1] < 1 < blind.singular_values[0]
 
 
 def test_noise_is_told_by_the_recording(rigid: erard.Instrument) -> None:
-    fitted = erard.fit(rigid, recorded(rigid), vary=["body.hammer.mass"])
+    fitted = erard.fit(rigid, recorded(rigid), parameters=["body.hammer.mass"])
     assert list(fitted.noise.values()) == pytest.approx([1e-5, 5e-5], rel=0.3)
 
 
 def test_noise_of_what_drives_makes_errors_larger(rigid: erard.Instrument) -> None:
     data = recorded(rigid)
-    fits = [erard.fit(rigid, data, vary=["body.hammer.mass"], sigma={**NOISE, "force_N": force}) for force in (0.0, 0.05)]
+    fits = [erard.fit(rigid, data, parameters=["body.hammer.mass"], sigma={**NOISE, "force_N": force}) for force in (0.0, 0.05)]
     assert fits[1].std["body.hammer.mass"] > 3 * fits[0].std["body.hammer.mass"]
     assert fits[0].chi2_expected == 1.0 < fits[1].chi2_expected
     assert "the noise of force_N, which drives the model," not in " ".join(str(fits[0]).split())
@@ -133,7 +133,7 @@ def test_noise_of_what_drives_makes_errors_larger(rigid: erard.Instrument) -> No
     coarse = {name: values[::4] for name, values in data.items()}
     assert erard.Recording(coarse, zero=False, low_pass=None).noise("force_N") is None
     with pytest.warns(erard.DoubtfulFitWarning, match="the noise of force_N, which drives the model, is unknown"):
-        unknown = erard.fit(rigid, coarse, vary=["body.hammer.mass"], sigma=NOISE)
+        unknown = erard.fit(rigid, coarse, parameters=["body.hammer.mass"], sigma=NOISE)
     assert "noise_unknown" in [doubt.kind for doubt in unknown.doubts]
     told = " ".join(str(unknown).split())
     assert told.startswith("Doubtful: ") and "the noise of force_N, which drives the model, is unknown" in told
@@ -141,7 +141,7 @@ def test_noise_of_what_drives_makes_errors_larger(rigid: erard.Instrument) -> No
 
 def test_delays_are_estimated(rigid: erard.Instrument) -> None:
     late = recorded(rigid.vary({"body.hammer.mass": "x1.05"}), late_s=0.4e-3)
-    fitted = erard.fit(rigid, late, vary=["body.hammer.mass"], delay=True)
+    fitted = erard.fit(rigid, late, parameters=["body.hammer.mass"], delays=True)
     assert list(fitted.delays.values()) == pytest.approx([0.4e-3, 0.4e-3], abs=0.05e-3)
     assert abs(fitted.x["body.hammer.mass"] - 1.05) < 5 * fitted.std["body.hammer.mass"]
 
@@ -151,39 +151,39 @@ def test_a_motion_drives_and_the_force_is_fitted(rigid: erard.Instrument) -> Non
     run = rigid.vary({"body.key.friction": "x0.7"}).press(stroke="p", duration=0.3)
     rows = slice(0, int(np.count_nonzero(np.maximum.accumulate(run["key_m"]) < 8e-3)), 5)
     data = {column: run[column][rows] for column in ("time_s", "key_m", "force_N")}
-    fitted = erard.fit(rigid, data, vary=["body.key.friction"], drive="rigid", columns=["force_N"], sigma={"force_N": 0.02})
+    fitted = erard.fit(rigid, data, parameters=["body.key.friction"], drive="rigid", columns=["force_N"], sigma={"force_N": 0.02})
     assert fitted.x["body.key.friction"] == pytest.approx(0.7, abs=0.1)
 
 
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        ({"vary": []}, "one name or more"),
-        ({"vary": "let_off"}, "list of names"),
-        ({"vary": ["leton"]}, "nearest `let_off`"),
-        ({"vary": ["body.hammer.mass_g"]}, "number of the file"),
-        ({"vary": ["let_off"], "bounds": {"let_off": (1e-3, -1e-3)}}, "increasing"),
-        ({"vary": ["let_off"], "bounds": {"drop": (0, 1e-3)}}, "not varied"),
-        ({"vary": ["let_off"], "columns": ["string_N"]}, "to compare"),
-        ({"vary": ["let_off"], "sigma": {"string_N": 1.0}}, "neither compared"),
-        ({"vary": ["let_off"], "bounds": {"let_off": "1 mm"}}, "two values"),
-        ({"vary": ["let_off"], "start": {"drop": 0.0}}, "not varied"),
-        ({"vary": ["let_off"], "start": {"let_off": 1.0}}, "its bounds"),
-        ({"vary": ["let_off"], "loss": "square"}, "soft_l1"),
-        ({"vary": ["let_off"], "jacobian": "exact"}, "differences or gradient"),
-        ({"vary": ["let_off"], "most": 0}, "a whole number"),
+        ({"parameters": []}, "one name or more"),
+        ({"parameters": "let_off"}, "list of names"),
+        ({"parameters": ["leton"]}, "nearest `let_off`"),
+        ({"parameters": ["body.hammer.mass_g"]}, "number of the file"),
+        ({"parameters": ["let_off"], "bounds": {"let_off": (1e-3, -1e-3)}}, "increasing"),
+        ({"parameters": ["let_off"], "bounds": {"drop": (0, 1e-3)}}, "not varied"),
+        ({"parameters": ["let_off"], "columns": ["string_N"]}, "to compare"),
+        ({"parameters": ["let_off"], "sigma": {"string_N": 1.0}}, "neither compared"),
+        ({"parameters": ["let_off"], "bounds": {"let_off": "1 mm"}}, "two values"),
+        ({"parameters": ["let_off"], "start": {"drop": 0.0}}, "not varied"),
+        ({"parameters": ["let_off"], "start": {"let_off": 1.0}}, "its bounds"),
+        ({"parameters": ["let_off"], "loss": "square"}, "soft_l1"),
+        ({"parameters": ["let_off"], "jacobian": "exact"}, "differences or gradient"),
+        ({"parameters": ["let_off"], "max_evaluations": 0}, "a whole number"),
     ],
 )
 def test_wrong_arguments(rigid: erard.Instrument, run: erard.Run, arguments: dict, told: str) -> None:
     with pytest.raises(erard.InputError, match=told):
         erard.fit(rigid, run, **arguments)
     with pytest.raises(erard.InputError, match="time"):
-        erard.fit(rigid, {"force_N": [1.0, 2.0]}, vary=["let_off"])
+        erard.fit(rigid, {"force_N": [1.0, 2.0]}, parameters=["let_off"])
 
 
 def test_the_posterior_agrees(rigid: erard.Instrument) -> None:
     pytest.importorskip("emcee")
-    fitted = erard.fit(rigid, recorded(rigid), vary=["body.hammer.mass"], sigma={**NOISE, "force_N": 0.0}, bounds={"body.hammer.mass": ("x0.5", "x2")})
+    fitted = erard.fit(rigid, recorded(rigid), parameters=["body.hammer.mass"], sigma={**NOISE, "force_N": 0.0}, bounds={"body.hammer.mass": ("x0.5", "x2")})
     drawn = erard.sample(fitted, walkers=8, length=40, burn=20, seed=3)
     assert drawn.mean["body.hammer.mass"] == pytest.approx(fitted.x["body.hammer.mass"], abs=3 * fitted.std["body.hammer.mass"])
     assert drawn.std["body.hammer.mass"] == pytest.approx(fitted.std["body.hammer.mass"], rel=0.5)
@@ -198,7 +198,7 @@ def test_two_samplers_agree(rigid: erard.Instrument) -> None:
     pytest.importorskip("emcee")
     pytest.importorskip("nutpie")
     early = {name: values[:200] for name, values in recorded(rigid).items()}
-    fitted = erard.fit(rigid, early, vary=["body.hammer.mass"], sigma={**NOISE, "force_N": 0.0}, bounds={"body.hammer.mass": ("x0.5", "x2")})
+    fitted = erard.fit(rigid, early, parameters=["body.hammer.mass"], sigma={**NOISE, "force_N": 0.0}, bounds={"body.hammer.mass": ("x0.5", "x2")})
     walked = erard.sample(fitted, walkers=8, length=60, burn=30)
     drawn = erard.sample(fitted, sampler="nuts", walkers=1, length=80, burn=60)
     assert drawn.samples.shape == (80, 1)
@@ -213,7 +213,7 @@ def test_two_samplers_agree(rigid: erard.Instrument) -> None:
 def test_the_posterior_heeds_the_noise_of_what_drives(rigid: erard.Instrument) -> None:
     """With it the hammer's mass is known many times worse; the covariance of the fit and the samples say the same."""
     pytest.importorskip("emcee")
-    options = {"vary": ["body.hammer.mass"], "bounds": {"body.hammer.mass": ("x0.5", "x2")}}
+    options = {"parameters": ["body.hammer.mass"], "bounds": {"body.hammer.mass": ("x0.5", "x2")}}
     fitted = erard.fit(rigid, recorded(rigid), sigma={**NOISE, "force_N": 0.05}, **options)
     alone = erard.fit(rigid, recorded(rigid), sigma={**NOISE, "force_N": 0.0}, **options)
     drawn = erard.sample(fitted, walkers=8, length=60, burn=30, seed=3)
@@ -247,7 +247,7 @@ def covered(rigid: erard.Instrument, each: int, sigma: dict[str, float] | None) 
             data = short(rigid.vary(texts(true)), seed=10_000 * count + n)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", erard.DoubtfulFitWarning)
-                found = erard.fit(rigid, data, vary=list(true), bounds=BOUNDS if "let_off" in true else None, sigma=sigma, restarts=0, progress=False)
+                found = erard.fit(rigid, data, parameters=list(true), bounds=BOUNDS if "let_off" in true else None, sigma=sigma, restarts=0, progress=False)
             for name, value in true.items():
                 off.setdefault((count, name), []).append((found.x[name] - value) / found.std[name])
     return off

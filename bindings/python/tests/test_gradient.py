@@ -26,8 +26,8 @@ def test_speeds_and_instants_are_a_runs(rigid: erard.Instrument, found: erard.Gr
     run = rigid.press(force=5.0, duration=0.12, step=25e-6)
     assert found.value["hammer_speed_m_per_s"] == pytest.approx(run.hammer_speed, rel=1e-4)
     assert found.value["let_off_s"] == pytest.approx(run.events["let_off"], abs=2e-6)
-    assert list(found) == found.of and found.jacobian.shape == (len(found.of), 5)
-    row = found.of.index("hammer_speed_m_per_s")
+    assert list(found) == found.outcomes and found.jacobian.shape == (len(found.outcomes), 5)
+    row = found.outcomes.index("hammer_speed_m_per_s")
     assert found.in_shorter_steps is not None and np.allclose(found.in_shorter_steps[row], found.jacobian[row], rtol=0.1, atol=1e-3)
     key = np.interp(found.time_s, run["time_s"], run["key_m"])
     # Up to the key's bottom: later a little more or less of anything is much.
@@ -68,7 +68,7 @@ def test_a_path_of_the_file_is_the_same_number(rigid: erard.Instrument) -> None:
     """A friction coefficient by its own name, as a factor, and by its path, as itself; also where it has been set."""
     name, path = "zone.jack_knuckle.friction", "zone.jack_knuckle.friction_coefficient"
     for own in (rigid, rigid.vary({path: 1.1 * rigid.parameters[name].value})):
-        g = erard.gradient(own, [name, path], of=["hammer_speed_m_per_s"], force=5.0, compare=False)
+        g = erard.gradient(own, [name, path], outcomes=["hammer_speed_m_per_s"], force=5.0, compare=False)
         factor, itself = g.jacobian[0]
         assert itself * own.parameters[name].value == pytest.approx(factor, rel=1e-6) and g.in_shorter_steps is None
     point = erard.gradient(rigid, ["zone.string.disc.center_mm.x"], force=5.0, compare=False)
@@ -79,7 +79,7 @@ def test_the_rest_moves_or_is_held(rigid: erard.Instrument) -> None:
     """The rest of `press` moves with a friction; held, the same friction only works on the press."""
     names, half = ["body.hammer.friction", "body.jack.friction"], 1e-2
     moving, held = (
-        erard.gradient(rigid, names, of=["hammer_speed_m_per_s"], force=5.0, rest=rest)["hammer_speed_m_per_s"] for rest in ("moves", "held")
+        erard.gradient(rigid, names, outcomes=["hammer_speed_m_per_s"], force=5.0, rest=rest)["hammer_speed_m_per_s"] for rest in ("moves", "held")
     )
     for name in names:
         speeds = [rigid.vary({name: f"x{1.0 + by}"}).press(force=5.0, duration=0.12, step=5e-6).hammer_speed for by in (-half, half)]
@@ -88,14 +88,14 @@ def test_the_rest_moves_or_is_held(rigid: erard.Instrument) -> None:
 
 
 def test_by_default_it_is_every_parameter(rigid: erard.Instrument) -> None:
-    g = erard.gradient(rigid, of=["hammer_speed_m_per_s"], stroke="ff", duration=0.08, compare=False)
-    assert g.by == list(rigid.parameters) and g["hammer_speed_m_per_s"]["zone.check.stiffness"] == 0.0
+    g = erard.gradient(rigid, outcomes=["hammer_speed_m_per_s"], stroke="ff", duration=0.08, compare=False)
+    assert g.parameters == list(rigid.parameters) and g["hammer_speed_m_per_s"]["zone.check.stiffness"] == 0.0
     table = pytest.importorskip("pandas") and g.to_pandas()
     assert table.loc["hammer_speed_m_per_s", "let_off"] == g["hammer_speed_m_per_s"]["let_off"]
 
 
 def test_what_does_not_happen_is_no_number(rigid: erard.Instrument) -> None:
-    g = erard.gradient(rigid, ["let_off"], of=["hammer_speed_m_per_s"], force=0.1, duration=0.05, compare=False)
+    g = erard.gradient(rigid, ["let_off"], outcomes=["hammer_speed_m_per_s"], force=0.1, duration=0.05, compare=False)
     assert math.isnan(g.value["hammer_speed_m_per_s"]) and math.isnan(g.jacobian[0, 0])
     assert "hammer_speed_m_per_s" not in erard.gradient(rigid, ["let_off"], force=0.1, duration=0.05, compare=False)
 
@@ -116,7 +116,7 @@ def test_it_pickles_and_compares(found: erard.Gradient) -> None:
         ("let_off", {}, "list of names"),
         (["let_off", "let_off"], {}, "each once"),
         (["force"], {"stroke": "mf"}, "constant force"),
-        (["let_off"], {"of": ["loudness"]}, "hammer_speed_m_per_s"),
+        (["let_off"], {"outcomes": ["loudness"]}, "hammer_speed_m_per_s"),
         (["let_off"], {"columns": ["string_N"]}, "hammer_head_m"),
         (["let_off"], {"record_every": 0}, "whole number"),
         (["let_off"], {"friction": "tanh"}, "set-valued"),

@@ -182,7 +182,7 @@ def test_a_data_set_of_the_command(tmp_path: Path) -> None:
     )  # fmt: skip
     data = judge.DataSet(folder)
     scan, notes = data.scans[0], tmp_path / "notes.csv"
-    subprocess.run([command(), "live", str(scan.path), "--calibration", str(scan.profile), "--out", str(notes)], check=True, capture_output=True)
+    subprocess.run([command(), "live", str(scan.path), "--calibration", str(scan.profile), "--out-file", str(notes)], check=True, capture_output=True)
     score = judge.compare(data.truth, Notes.read(notes))
     assert (score.matched, score.missed, score.false) == (6, 0, 0)
     assert np.abs(score.velocity_error).max() < 1.5

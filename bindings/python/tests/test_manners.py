@@ -98,7 +98,7 @@ def test_everything_pickles_compares_and_says_what_it_is(grand: erard.Instrument
         assert " object at 0x" not in repr(thing), thing
     action.step(5.0)
     assert pickle.loads(pickle.dumps(things[4])) != erard.Action(grand)
-    for wrong in (erard.Action, erard.gradient, lambda x: erard.study(x, let_off=[0.0]), lambda x: erard.fit(x, run, vary=["let_off"])):
+    for wrong in (erard.Action, erard.gradient, lambda x: erard.study(x, let_off=[0.0]), lambda x: erard.fit(x, run, parameters=["let_off"])):
         with pytest.raises(erard.InputError, match="erard.load"):
             wrong("concert-grand")
 

@@ -75,12 +75,12 @@ class Asked(NamedTuple):
     """Arguments of a problem."""
 
     instrument: Instrument
-    vary: list[str]
+    parameters: list[str]
     bounds: list[tuple[str, tuple[float | str, float | str]]]
     recordings: list[Recording]
     drive: str | None
     columns: list[str] | None
-    delay: bool
+    delays: bool
     sigma: list[tuple[str, float]]
     own: Steps
     threads: int | None
@@ -94,7 +94,7 @@ class Problem:
         self.asked = asked
         inner = [recording._inner for recording in asked.recordings]
         self._inner = _erard.Problem(
-            asked.instrument._inner, asked.vary, asked.bounds, inner, asked.drive, asked.columns, asked.delay, asked.sigma, asked.own, asked.threads
+            asked.instrument._inner, asked.parameters, asked.bounds, inner, asked.drive, asked.columns, asked.delays, asked.sigma, asked.own, asked.threads
         )
         if sigma is not None:
             self._inner.set_sigma(sigma)
@@ -277,18 +277,18 @@ def fit(
     instrument: Instrument,
     recordings: RecordingLike | Sequence[RecordingLike],
     *,
-    vary: Sequence[str],
+    parameters: Sequence[str],
     drive: str | None = None,
     columns: Sequence[str] | None = None,
     sigma: Mapping[str, float] | None = None,
-    delay: bool = False,
+    delays: bool = False,
     bounds: Mapping[str, tuple[float | str, float | str]] | None = None,
     start: Mapping[str, float | str] | None = None,
     loss: str = "linear",
     jacobian: str = "differences",
     minimizer: str = "erard",
     restarts: int = 5,
-    most: int = 50,
+    max_evaluations: int = 50,
     threads: int | None = None,
     progress: bool | None = None,
     **how: Unpack[Stepping],
@@ -307,7 +307,7 @@ def fit(
         Start of the fit; it holds all parameters that are not fitted.
     recordings : recording or list of recordings
         A run, a mapping of arrays with `time_s`, a data frame, a file, or a `Recording`; several are fitted together.
-    vary : sequence of str
+    parameters : sequence of str
         Names of the screws and parameters to fit (`Instrument.parameters`).
     drive : {"force", "motion", "rigid"}, optional
         Quantity of the recordings that drives the model.
@@ -319,7 +319,7 @@ def fit(
         default the noise is measured in the rest before the touch or in the spectrum. If neither shows it, it is
         estimated from the residuals for a compared column and taken as zero for the drive; each of these is a doubt.
         The 20 mN of a load cell can make errors ten times larger.
-    delay : bool
+    delays : bool
         Whether to estimate the delay of every column behind the drive.
     bounds : mapping of str to (float or str, float or str), optional
         Bounds of parameters, as `Instrument.vary` takes them: ("x0.5", "x2"), ("-1 mm", "+1 mm"), (8e-3, 12e-3). By default they are the uncertainty that the instrument's file
@@ -339,7 +339,7 @@ def fit(
     restarts : int
         Largest number of restarts from other points. Restarts end when two fits agree and their residuals are no larger
         than the noise. With sticking friction and opening felts, the sum of squares has more than one minimum.
-    most : int
+    max_evaluations : int
         Largest number of solver steps.
     threads : int, optional
         Number of threads; by default the number of cores.
@@ -373,7 +373,7 @@ def fit(
     >>> run, rng = true.press(stroke="p", duration=0.1), np.random.default_rng(1)
     >>> mine = {"time_s": run["time_s"][::20], "force_N": run["force_N"][::20],
     ...         "key_m": run["key_m"][::20] + 1e-5 * rng.standard_normal(101)}
-    >>> found = erard.fit(grand, mine, vary=["body.hammer.mass"], sigma={"key_m": 1e-5, "force_N": 0.0})
+    >>> found = erard.fit(grand, mine, parameters=["body.hammer.mass"], sigma={"key_m": 1e-5, "force_N": 0.0})
     >>> found.doubts
     []
     >>> bool(abs(found.x["body.hammer.mass"] - 1.04) < 4 * found.std["body.hammer.mass"])
@@ -381,16 +381,16 @@ def fit(
     """
     if minimizer not in MINIMIZERS:
         raise InputError(f"minimizer: found {minimizer!r}, expected {' or '.join(MINIMIZERS)}", key="minimizer", found=str(minimizer))
-    restarts, most = whole("restarts", restarts, 0), whole("most", most)
+    restarts, max_evaluations = whole("restarts", restarts, 0), whole("max_evaluations", max_evaluations)
     sources: list[Any] = list(recordings) if isinstance(recordings, (list, tuple)) else [recordings]
     asked = Asked(
         instrument_of(instrument),
-        names_of("vary", vary),
+        names_of("parameters", parameters),
         [(name, _bounds(name, limits)) for name, limits in mapping("bounds", bounds).items()],
         [as_recording(source) for source in sources],
         drive,
         None if columns is None else names_of("columns", columns),
-        bool(delay),
+        bool(delays),
         [(name, number(f"sigma[{name!r}]", value)) for name, value in mapping("sigma", sigma).items()],
         steps(how),
         None if threads is None else whole("threads", threads),
@@ -398,7 +398,7 @@ def fit(
     begin = [(name, value if isinstance(value, str) else number(f"start[{name!r}]", value)) for name, value in mapping("start", start).items()]
     problem = Problem(asked)
     with counter(progress, "fit", "strokes") as tell:
-        found = problem._inner.fit((begin, loss, jacobian, restarts, most), _by_scipy if minimizer == "scipy" else None, tell)
+        found = problem._inner.fit((begin, loss, jacobian, restarts, max_evaluations), _by_scipy if minimizer == "scipy" else None, tell)
     fitted = Fit(problem, found)
     if fitted.doubts:
         warnings.warn("doubtful fit: " + "; ".join(doubt.text for doubt in fitted.doubts), DoubtfulFitWarning, stacklevel=2)
@@ -413,7 +413,7 @@ def _bounds(name: str, limits: Any) -> tuple[float | str, float | str]:
 
 
 def _by_scipy(
-    residuals: Callable[[Array], Array], jacobian: Callable[[Array], Array], start: Array, low: Array, high: Array, loss: str, most: int
+    residuals: Callable[[Array], Array], jacobian: Callable[[Array], Array], start: Array, low: Array, high: Array, loss: str, max_evaluations: int
 ) -> tuple[list[float], list[float], str]:
     """Minimizes the extension's residuals with `scipy.optimize.least_squares`."""
     with Extra("scipy"):
@@ -421,5 +421,5 @@ def _by_scipy(
 
     # The extension keeps points within their bounds; SciPy wants them strictly within.
     inside = np.clip(start, np.nextafter(low, high), np.nextafter(high, low))
-    solved = least_squares(residuals, inside, jac=jacobian, bounds=(low, high), x_scale="jac", loss=loss, max_nfev=most)
+    solved = least_squares(residuals, inside, jac=jacobian, bounds=(low, high), x_scale="jac", loss=loss, max_nfev=max_evaluations)
     return solved.x.tolist(), solved.fun.tolist(), str(solved.message).rstrip(".")

@@ -46,7 +46,7 @@ class Gradient(Mapping[str, Mapping[str, float]]):
 
     Attributes
     ----------
-    of, by : list of str
+    outcomes, parameters : list of str
         Quantities, and the parameters that they are differentiated by.
     value : dict of str to float
         Values of the quantities; nan for events that did not happen.
@@ -77,15 +77,15 @@ class Gradient(Mapping[str, Mapping[str, float]]):
     Examples
     --------
     >>> import erard
-    >>> g = erard.gradient(erard.load("concert-grand-rigid"), ["body.hammer.mass", "let_off"], of=["hammer_speed_m_per_s"], force=5.0)
+    >>> g = erard.gradient(erard.load("concert-grand-rigid"), ["body.hammer.mass", "let_off"], outcomes=["hammer_speed_m_per_s"], force=5.0)
     >>> g["hammer_speed_m_per_s"]["let_off"] == float(g.jacobian[0, 1])
     True
     """
 
     def __init__(
         self,
-        of: list[str],
-        by: list[str],
+        outcomes: list[str],
+        parameters: list[str],
         value: dict[str, float],
         jacobian: NDArray[np.float64],
         in_shorter_steps: NDArray[np.float64] | None,
@@ -97,7 +97,7 @@ class Gradient(Mapping[str, Mapping[str, float]]):
         switches: tuple[int, int],
         title: str,
     ) -> None:
-        self.of, self.by, self.value, self.jacobian, self.refused = of, by, value, read_only(jacobian), refused
+        self.outcomes, self.parameters, self.value, self.jacobian, self.refused = outcomes, parameters, value, read_only(jacobian), refused
         self.in_shorter_steps, self.unresolved_effect = in_shorter_steps, unresolved_effect
         self.time_s, self.columns, self.column_jacobian = read_only(time_s), columns, column_jacobian
         for array in (*columns.values(), *column_jacobian.values(), in_shorter_steps, unresolved_effect):
@@ -107,15 +107,15 @@ class Gradient(Mapping[str, Mapping[str, float]]):
         self.title = title
 
     def __getitem__(self, key: str) -> Mapping[str, float]:
-        if key not in self.of:
-            raise KeyError(f"{key!r}: expected one of {', '.join(self.of)}")
-        return dict(zip(self.by, map(float, self.jacobian[self.of.index(key)]), strict=True))
+        if key not in self.outcomes:
+            raise KeyError(f"{key!r}: expected one of {', '.join(self.outcomes)}")
+        return dict(zip(self.parameters, map(float, self.jacobian[self.outcomes.index(key)]), strict=True))
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self.of)
+        return iter(self.outcomes)
 
     def __len__(self) -> int:
-        return len(self.of)
+        return len(self.outcomes)
 
     def to_pandas(self) -> pandas.DataFrame:
         """Returns the derivatives as a table, one row for each quantity.
@@ -127,12 +127,12 @@ class Gradient(Mapping[str, Mapping[str, float]]):
         with Extra("tables"):
             import pandas as pd
 
-        return pd.DataFrame(np.array(self.jacobian), index=pd.Index(self.of), columns=pd.Index(self.by))
+        return pd.DataFrame(np.array(self.jacobian), index=pd.Index(self.outcomes), columns=pd.Index(self.parameters))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Gradient):
             return NotImplemented
-        same = self.of == other.of and self.by == other.by and np.array_equal(self.jacobian, other.jacobian, equal_nan=True)
+        same = self.outcomes == other.outcomes and self.parameters == other.parameters and np.array_equal(self.jacobian, other.jacobian, equal_nan=True)
         if not same or set(self.column_jacobian) != set(other.column_jacobian):
             return False
         return all(np.array_equal(slopes, other.column_jacobian[name]) for name, slopes in self.column_jacobian.items())
@@ -140,9 +140,9 @@ class Gradient(Mapping[str, Mapping[str, float]]):
     __hash__ = None  # type: ignore[assignment]
 
     def _rows(self) -> list[tuple[str, ...]]:
-        rows = [("", "value", *self.by)]
-        for k, name in enumerate(self.of):
-            others = [None] * len(self.by) if self.in_shorter_steps is None else list(self.in_shorter_steps[k])
+        rows = [("", "value", *self.parameters)]
+        for k, name in enumerate(self.outcomes):
+            others = [None] * len(self.parameters) if self.in_shorter_steps is None else list(self.in_shorter_steps[k])
             cells = [
                 quantity(float(slope), "") + ("" if other is None else f" ({quantity(float(other), '')})")
                 for slope, other in zip(self.jacobian[k], others, strict=True)
@@ -164,19 +164,19 @@ class Gradient(Mapping[str, Mapping[str, float]]):
         return f"<table><caption>{html.escape(self.title)}</caption>{''.join(cells)}</table>"
 
 
-def variables(instrument: Instrument, by: Sequence[str]) -> list[tuple[str, tuple[_erard.Instrument, _erard.Instrument, float] | None]]:
+def variables(instrument: Instrument, parameters: Sequence[str]) -> list[tuple[str, tuple[_erard.Instrument, _erard.Instrument, float] | None]]:
     """Returns the variables of the extension: names that it knows, and for any other number of the file two
     instruments, one on each side."""
     known = instrument.parameters
     found: list[tuple[str, tuple[_erard.Instrument, _erard.Instrument, float] | None]] = []
-    for name in by:
+    for name in parameters:
         if name in known or name == "force":
             found.append((name, None))
             continue
         value = instrument._inner.number_at(name)
         if value is None:
             instrument.vary({name: 1.0})  # It says what there is.
-            raise InputError(f"by: {name} has no number to begin with; expected one that the file gives, or that was set to a bare number", key="by", found=name)
+            raise InputError(f"parameters: {name} has no number to begin with; expected one that the file gives, or that was set to a bare number", key="parameters", found=name)
         half = max(HALF * abs(value), LEAST)
         low, high = (instrument.vary({name: value + sign * half})._inner for sign in (-1.0, 1.0))
         found.append((name, (low, high, 2.0 * half)))
@@ -185,9 +185,9 @@ def variables(instrument: Instrument, by: Sequence[str]) -> list[tuple[str, tupl
 
 def gradient(
     instrument: Instrument,
-    by: Sequence[str] | None = None,
+    parameters: Sequence[str] | None = None,
     *,
-    of: Sequence[str] | None = None,
+    outcomes: Sequence[str] | None = None,
     columns: Sequence[str] = (),
     record_every: int = 20,
     force: Force | None = None,
@@ -218,10 +218,10 @@ def gradient(
     Parameters
     ----------
     instrument : Instrument
-    by : sequence of str, optional
+    parameters : sequence of str, optional
         Screws and parameters by name, any number of the file by its path, and "force" for a constant force; by default
         all of `Instrument.parameters`.
-    of : sequence of str, optional
+    outcomes : sequence of str, optional
         Quantities, by the names of a study's columns, such as "hammer_speed_m_per_s", "let_off_s",
         "key_start_to_hammer_s"; by default all those that happen.
     columns : sequence of str
@@ -239,7 +239,7 @@ def gradient(
     unconverged : {"raise", "nan"}, optional
         Treatment of a derivative that does not converge. "raise": the call raises an error that names the friction
         switch from which on it does not converge. "nan": the derivative is nan, and `Gradient.refused` gives the
-        reason. The default is "raise" if `of` is given, else "nan".
+        reason. The default is "raise" if `outcomes` is given, else "nan".
     threads : int, optional
         Number of threads; by default the number of cores.
     progress : bool, optional
@@ -264,20 +264,20 @@ def gradient(
     >>> import erard
     >>> grand = erard.load("concert-grand-rigid")
     >>> speed, contact = "hammer_speed_m_per_s", "hammer_contact_s"
-    >>> g = erard.gradient(grand, ["force", "body.hammer.mass"], of=[speed, contact], force=5.0, columns=["key_m"])
+    >>> g = erard.gradient(grand, ["force", "body.hammer.mass"], outcomes=[speed, contact], force=5.0, columns=["key_m"])
     >>> g[speed]["force"] > 0 > g[contact]["force"]
     True
     >>> g.column_jacobian["key_m"].shape == (len(g.time_s), 2)
     True
     """
     instrument = instrument_of(instrument)
-    names = list(instrument.parameters) if by is None else names_of("by", by)
+    names = list(instrument.parameters) if parameters is None else names_of("parameters", parameters)
     if len(set(names)) != len(names):
-        raise InputError("by: expected names, each once", key="by")
+        raise InputError("parameters: expected names, each once", key="parameters")
     if "force" in names and (force is None or np.ndim(force) != 0):
-        raise InputError("by: `force` is what a constant force is differentiated by; expected force=, a number", key="by", found="force")
-    asked, sampled = names_of("of", of), names_of("columns", columns)
-    for key, given, known in (("of", asked, QUANTITIES), ("columns", sampled, COLUMNS)):
+        raise InputError("parameters: `force` is what a constant force is differentiated by; expected force=, a number", key="parameters", found="force")
+    asked, sampled = names_of("outcomes", outcomes), names_of("columns", columns)
+    for key, given, known in (("outcomes", asked, QUANTITIES), ("columns", sampled, COLUMNS)):
         if unknown := [name for name in given if name not in known]:
             raise InputError(f"{key}: found {unknown[0]!r}, expected {', '.join(known)}", key=key, found=unknown[0])
     own = steps({"step": 25e-6, **how})

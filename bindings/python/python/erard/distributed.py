@@ -375,7 +375,7 @@ def fit(
     instrument: Instrument,
     recordings: Sequence[Any],
     *,
-    vary: Sequence[str],
+    parameters: Sequence[str],
     client: Any = None,
     workers: int | None = None,
     processes: bool = True,
@@ -388,7 +388,7 @@ def fit(
     instrument : Instrument
     recordings : sequence
         Recordings, or lists of recordings that are fitted together.
-    vary, **options
+    parameters, **options
         As in `erard.fit`.
     client, workers, processes
         As in `study`.
@@ -398,7 +398,7 @@ def fit(
     list of dict
         Results in the order of the recordings: `x`, `std`, `chi2_reduced`, `noise`, `unseen`, `doubts`, `report`.
     """
-    asked = {"vary": list(vary), "threads": 1, **options}
+    asked = {"parameters": list(parameters), "threads": 1, **options}
     with _client(client, workers, processes) as own:
         shared = own.scatter(instrument, broadcast=True, hash=False)
         return list(own.gather([own.submit(_fit_one, shared, one, asked, pure=False, retries=TRIES) for one in recordings]))

@@ -126,7 +126,7 @@ class Notes:
         Parameters
         ----------
         path : str or Path
-            A CSV with the columns `key`, `time_s`, and `hammer_speed_m_per_s` or `velocity`, as `erard live --out notes.csv`
+            A CSV with the columns `key`, `time_s`, and `hammer_speed_m_per_s` or `velocity`, as `erard live --out-file notes.csv`
             writes it; or a MIDI file (`pip install mido` reads it).
         shift_s : float, optional
             Time to add, s: the start of the file on the clock of the readings.

@@ -35,7 +35,7 @@ pub(crate) struct Calibrate {
     readings: PathBuf,
     /// Law of the sensors: linear, cny70, hall, or a file of your own points (CSV with the header `raw,mm`)
     #[arg(long, value_name = "LAW", default_value = "linear")]
-    law: String,
+    sensor_law: String,
     /// Travel of the sensed place between a key's two stops, mm
     #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = between(Quantity::Length, "mm", 0.5, 100.0), allow_hyphen_values = true)]
     travel: f64,
@@ -50,7 +50,7 @@ pub(crate) struct Calibrate {
     pressure_is_depth: bool,
     /// File of the profile [default: READINGS.toml in this folder]
     #[arg(long, short, value_name = "FILE")]
-    out: Option<PathBuf>,
+    out_file: Option<PathBuf>,
     /// Replace FILE if it exists
     #[arg(long)]
     force: bool,
@@ -62,7 +62,7 @@ impl Calibrate {
         let law = self.law(session)?;
         let asked = shown(&self.readings);
         let OwnFile { folder, name } =
-            OwnFile::of(session, self.out.as_deref(), &asked, ".toml", "profile's", self.force)?;
+            OwnFile::of(session, self.out_file.as_deref(), &asked, ".toml", "profile's", self.force)?;
         let found = stops(&self.read(session)?).map_err(|fault| Failure::Usage(format!("{asked}: {fault}")))?;
         let profile = Profile {
             law,
@@ -120,7 +120,7 @@ impl Calibrate {
     }
 
     fn law(&self, session: &mut Session) -> Result<Law, Failure> {
-        Ok(match self.law.as_str() {
+        Ok(match self.sensor_law.as_str() {
             "linear" => Law::Linear {},
             "cny70" => Law::Cny70 {},
             "hall" => Law::Hall { nearest_mm: self.nearest, at_rest: self.nearest_at_rest },
@@ -142,7 +142,7 @@ impl Calibrate {
                 })
             })
             .collect();
-        Answer::of(&json!({"law": self.law, "travel_mm": self.travel, "keys": keys}))
+        Answer::of(&json!({"law": self.sensor_law, "travel_mm": self.travel, "keys": keys}))
     }
 
     fn tell(&self, session: &mut Session, found: &BTreeMap<usize, Found>) {

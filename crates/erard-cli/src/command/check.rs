@@ -326,7 +326,7 @@ impl Check {
         let names: Vec<&str> = count.map(|entry| entry.label).collect();
         print_line!(session, "{name}: readings of {} keys, for `erard diagnose`", keys.len());
         if let Ok(weighed) = erard_workshop::balance::read(&text, &name) {
-            print_line!(session, "  weights of {} keys in it, for `erard keyboard --weigh`", weighed.len());
+            print_line!(session, "  weights of {} keys in it, for `erard keyboard --measured`", weighed.len());
         }
         print_line!(session);
         print_line!(session, "  {}", names.join(", "));

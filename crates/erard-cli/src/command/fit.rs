@@ -43,7 +43,7 @@ pub(crate) struct Fit {
     recordings: Vec<PathBuf>,
     /// Names of the screws and parameters to fit, with commas
     #[arg(long, value_name = "NAME,NAME,..", value_delimiter = ',', required = true)]
-    vary: Vec<String>,
+    parameters: Vec<String>,
     /// Bounds of a parameter: values (`body.hammer.mass=9g..12g`), changes with a sign (`let_off=-1mm..1mm`, from the
     /// screw's setting) or factors (`body.hammer.mass=x0.9..1.2`); a bare number is in mm, deg, g or N mm; can be
     /// repeated
@@ -77,7 +77,7 @@ pub(crate) struct Fit {
     restarts: u16,
     /// Largest number of evaluations from one start
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = whole::<u16>(1, 10_000))]
-    most: u16,
+    max_evaluations: u16,
     /// Fit only the first S seconds of every recording. Do not go much beyond the impact: there a tiny change of a
     /// parameter moves the check by milliseconds, and error bars become too small
     #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_hyphen_values = true)]
@@ -132,7 +132,7 @@ impl Fit {
         let settings = self.step.settings(&instrument)?;
         check(&Setup { settings, ..Setup::new(1.0) })?;
         let file = InstrumentFile::parse(&text, &self.instrument.to_string())?;
-        let vary: Vec<String> = self.vary.iter().map(|name| canonical_name(name)).collect();
+        let vary: Vec<String> = self.parameters.iter().map(|name| canonical_name(name)).collect();
         let bounds = self.bounds(&instrument)?;
         let parameters = fit_parameters(&file, &vary, &bounds).map_err(failure)?;
         let start = self.start(&instrument)?;
@@ -145,7 +145,7 @@ impl Fit {
             loss: self.loss,
             jacobian: self.jacobian,
             restarts: self.restarts.into(),
-            max_evaluations: self.most.into(),
+            max_evaluations: self.max_evaluations.into(),
         };
         let mut names = vec!["fit.json", "fitted.toml", "fit.csv"];
         if !self.no_pictures {

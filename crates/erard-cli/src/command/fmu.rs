@@ -35,7 +35,7 @@ pub(crate) struct Fmu {
     keyboard: Option<Base>,
     /// File of the unit [default: INSTRUMENT.fmu or KEYBOARD-keyboard.fmu in this folder]
     #[arg(long, short, value_name = "FILE")]
-    out: Option<PathBuf>,
+    out_file: Option<PathBuf>,
     /// The library liberard to pack into it
     #[arg(long, value_name = "FILE")]
     library: Option<PathBuf>,
@@ -81,7 +81,8 @@ impl Fmu {
                 (Unit::of_keyboard(&text, keyboard.base_text())?, asked.to_string(), "-keyboard.fmu")
             }
         };
-        let OwnFile { folder, name } = OwnFile::of(session, self.out.as_deref(), &asked, end, "unit's", self.force)?;
+        let OwnFile { folder, name } =
+            OwnFile::of(session, self.out_file.as_deref(), &asked, end, "unit's", self.force)?;
         let (library, bytes, binary) = self.library(session)?;
         let mut output = Output::files(session, &folder, self.force, &[&name])?;
         let archive = archive(&unit, &binary, &bytes).map_err(|error| Failure::Internal(error.to_string()))?;

@@ -92,7 +92,7 @@ impl Keyboard {
     /// Two keyboards beside each other.
     fn pair(&self, session: &mut Session, asked: [&Base; 2]) -> Result<Answer, Failure> {
         if self.key.is_some() || self.weigh.asked().is_some() {
-            return Err(Failure::Usage("--key and --weigh need one keyboard; found two".into()));
+            return Err(Failure::Usage("--key and --measured need one keyboard; found two".into()));
         }
         let keyboards = [load_keyboard(session, asked[0])?, load_keyboard(session, asked[1])?];
         let keys = [self.keys(&keyboards[0])?, self.keys(&keyboards[1])?];

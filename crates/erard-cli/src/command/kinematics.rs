@@ -49,25 +49,25 @@ pub(crate) struct Kinematics {
     no_regulate: bool,
     /// First key travel, mm
     #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = number(Quantity::Length, "mm"), allow_hyphen_values = true)]
-    from: f64,
+    from_travel: f64,
     /// Last key travel, mm [default: let-off of the unmoved case]
     #[arg(long, value_name = "MM", value_parser = number(Quantity::Length, "mm"), allow_hyphen_values = true)]
-    to: Option<f64>,
+    to_travel: Option<f64>,
     /// Number of steps between the two
     #[arg(long, value_name = "N", default_value_t = 200, allow_negative_numbers = true)]
     steps: i64,
     /// Print the closure equations and stop
-    #[arg(long, conflicts_with_all = ["moves", "no_regulate", "from", "to", "steps", "out", "force"])]
+    #[arg(long, conflicts_with_all = ["moves", "no_regulate", "from_travel", "to_travel", "steps", "out", "force"])]
     equations: bool,
     /// Print the equations as LaTeX
     #[arg(long, requires = "equations")]
     latex: bool,
     /// List the built-in linkages and stop
-    #[arg(long, conflicts_with_all = ["linkage", "instrument", "moves", "equations", "check", "print", "out", "force"])]
+    #[arg(long, conflicts_with_all = ["linkage", "instrument", "moves", "equations", "check_file", "print", "out", "force"])]
     list: bool,
     /// Check the linkage file, show its contents and stop
     #[arg(long, requires = "linkage", conflicts_with_all = ["moves", "equations", "print", "out", "force"])]
-    check: bool,
+    check_file: bool,
     /// Print the file of a built-in linkage, as a start for your own, and stop
     #[arg(long, requires = "linkage", conflicts_with_all = ["moves", "equations", "out", "force"])]
     print: bool,
@@ -146,7 +146,7 @@ impl Kinematics {
         if self.list {
             return list(session);
         }
-        if let Some(asked) = self.linkage.as_deref().filter(|_| self.check || self.print) {
+        if let Some(asked) = self.linkage.as_deref().filter(|_| self.check_file || self.print) {
             return if self.print { print(asked) } else { check(session, asked) };
         }
         if self.equations {
@@ -202,13 +202,16 @@ impl Kinematics {
     /// Checks the numbers before anything is read or written.
     fn check_numbers(&self) -> Result<(), Failure> {
         let usage = |message: String| Err(Failure::Usage(message));
-        for (option, mm) in [("--from", Some(self.from)), ("--to", self.to)] {
+        for (option, mm) in [("--from-travel", Some(self.from_travel)), ("--to-travel", self.to_travel)] {
             if let Some(mm) = mm.filter(|mm| mm.abs() > FARTHEST_MM) {
                 return usage(format!("{option} {mm}: expected a number of at most {FARTHEST_MM} mm"));
             }
         }
-        if let Some(to) = self.to.filter(|to| *to <= self.from) {
-            return usage(format!("--from {} --to {to}: the key goes down; expected --to to be larger", self.from));
+        if let Some(to) = self.to_travel.filter(|to| *to <= self.from_travel) {
+            return usage(format!(
+                "--from-travel {} --to-travel {to}: the key goes down; expected --to-travel to be larger",
+                self.from_travel
+            ));
         }
         if !(1..=MOST_STEPS).contains(&self.steps) {
             return usage(format!("--steps {}: expected a number from 1 to {MOST_STEPS}", self.steps));
@@ -232,12 +235,12 @@ impl Kinematics {
     fn cases(&self, design: &Design) -> Result<Cases, Failure> {
         let regulation = if self.no_regulate { Regulation::AsMoved } else { Regulation::Regulated };
         let unmoved = design.case(&[], regulation).map_err(|error| Failure::Usage(error.to_string()))?;
-        let from = self.from / 1000.0;
-        let to = self.to.map_or(unmoved.let_off_key_m.unwrap_or(USUAL_DIP_M), |to| to / 1000.0);
+        let from = self.from_travel / 1000.0;
+        let to = self.to_travel.map_or(unmoved.let_off_key_m.unwrap_or(USUAL_DIP_M), |to| to / 1000.0);
         if to <= from {
             return Err(Failure::Usage(format!(
-                "--from {}: expected less than the key travel at let-off, {:.2} mm, or a larger --to",
-                self.from,
+                "--from-travel {}: expected less than the key travel at let-off, {:.2} mm, or a larger --to-travel",
+                self.from_travel,
                 to * 1e3
             )));
         }

@@ -69,17 +69,17 @@ pub(crate) struct Live {
     ahead: bool,
     /// Bits of a velocity
     #[arg(long, value_enum, default_value = "7")]
-    bits: Bits,
+    velocity_bits: Bits,
     /// Channel, 1 to 16
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u8>(1, 16), allow_negative_numbers = true)]
     channel: u8,
     /// Output of the MIDI bytes: a pipe, a device, or a file. A name that ends in .mid makes a Standard MIDI File, one
     /// that ends in .csv a table of the notes with their hammer speeds [default: `-`, standard output]
     #[arg(id = "bytes", long = "out", short = 'o', value_name = "FILE")]
-    out: Option<PathBuf>,
-    /// MIDI port of the system, by part of its name, instead of --out
+    out_file: Option<PathBuf>,
+    /// MIDI port of the system, by part of its name, instead of --out-file
     #[arg(long, value_name = "NAME")]
-    port: Option<String>,
+    midi_port: Option<String>,
     /// Let all keys go if a pipe has sent nothing for this time, s
     #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = between(Quantity::Time, "s", 0.05, 3600.0), allow_hyphen_values = true)]
     stall: f64,
@@ -140,7 +140,7 @@ impl Live {
     }
 
     fn out(&self) -> &Path {
-        self.out.as_deref().unwrap_or(Path::new("-"))
+        self.out_file.as_deref().unwrap_or(Path::new("-"))
     }
 
     fn is_stdout(&self) -> bool {
@@ -306,22 +306,22 @@ impl Live {
 
     /// Where bytes go.
     fn wire(&self, session: &Session) -> Result<Wire, Failure> {
-        if let Some(name) = &self.port {
+        if let Some(name) = &self.midi_port {
             return self.port(&session.sounding, name);
         }
         if self.is_stdout() {
             if session.printer.wants_json() {
-                return Err(Failure::Usage("--json answers on standard output; name a file with --out".into()));
+                return Err(Failure::Usage("--json answers on standard output; name a file with --out-file".into()));
             }
             if io::stdout().is_terminal() {
-                let what = "MIDI bytes would go to this terminal; name a file or a pipe with --out";
+                let what = "MIDI bytes would go to this terminal; name a file or a pipe with --out-file";
                 return Err(Failure::Usage(what.into()));
             }
-            return Ok(Wire::bytes(&session.sounding, Box::new(io::stdout()), self.bits, self.channel - 1));
+            return Ok(Wire::bytes(&session.sounding, Box::new(io::stdout()), self.velocity_bits, self.channel - 1));
         }
         if self.ends_in("mid") {
-            if self.bits == Bits::Sixteen {
-                return Err(Failure::Usage("--bits 16: a Standard MIDI File holds 7 or 14 bits".into()));
+            if self.velocity_bits == Bits::Sixteen {
+                return Err(Failure::Usage("--velocity-bits 16: a Standard MIDI File holds 7 or 14 bits".into()));
             }
             self.staged(session)?;
             return Ok(Wire::piece());
@@ -329,7 +329,7 @@ impl Live {
         let refused = |source| Failure::write(self.out(), source);
         if self.out().exists() && !self.is_kept() {
             let device = OpenOptions::new().write(true).open(self.out()).map_err(refused)?;
-            return Ok(Wire::bytes(&session.sounding, Box::new(device), self.bits, self.channel - 1));
+            return Ok(Wire::bytes(&session.sounding, Box::new(device), self.velocity_bits, self.channel - 1));
         }
         if session.inputs.is_one(self.out()) {
             return Err(Failure::Usage(format!("{}: is the stream; name another file", shown(self.out()))));
@@ -338,7 +338,7 @@ impl Live {
         if self.ends_in("csv") {
             return Ok(Wire::table());
         }
-        Ok(Wire::kept(&session.sounding, self.bits, self.channel - 1))
+        Ok(Wire::kept(&session.sounding, self.velocity_bits, self.channel - 1))
     }
 
     #[cfg(feature = "ports")]
@@ -355,18 +355,18 @@ impl Live {
                 Ok(())
             }
         }
-        if self.bits == Bits::Sixteen {
-            return Err(Failure::Usage("--bits 16: ports take MIDI 1.0, 7 or 14 bits".into()));
+        if self.velocity_bits == Bits::Sixteen {
+            return Err(Failure::Usage("--velocity-bits 16: ports take MIDI 1.0, 7 or 14 bits".into()));
         }
-        let port = Port::open(name).map_err(|error| Failure::Usage(format!("--port {name}: {error}")))?;
-        Ok(Wire::bytes(sounding, Box::new(Sink(port)), self.bits, self.channel - 1))
+        let port = Port::open(name).map_err(|error| Failure::Usage(format!("--midi-port {name}: {error}")))?;
+        Ok(Wire::bytes(sounding, Box::new(Sink(port)), self.velocity_bits, self.channel - 1))
     }
 
     #[cfg(not(feature = "ports"))]
     fn port(&self, _: &Sounding, name: &str) -> Result<Wire, Failure> {
         Err(Failure::Usage(format!(
-            "--port {name}: this program was built without MIDI ports. Build it with `cargo build --release -p erard-cli \
-             --features ports` (on Linux that needs ALSA's headers, Debian: libasound2-dev), or let --out name a pipe or \
+            "--midi-port {name}: this program was built without MIDI ports. Build it with `cargo build --release -p erard-cli \
+             --features ports` (on Linux that needs ALSA's headers, Debian: libasound2-dev), or let --out-file name a pipe or \
              a device such as /dev/snd/midiC1D0"
         )))
     }
@@ -389,7 +389,7 @@ impl Live {
 
     fn finish(&self, session: &mut Session, wire: &mut Wire, told: &Told) -> Result<Answer, Failure> {
         let mut answer = Answer::of(&told.json()?)?;
-        if let Some(bytes) = wire.file(self.bits).map_err(Failure::Internal)? {
+        if let Some(bytes) = wire.file(self.velocity_bits).map_err(Failure::Internal)? {
             let (mut output, name) = self.staged(session)?;
             output.stage(session, &name, |writer| writer.write_all(&bytes))?;
             answer = answer.files(&output.commit(session)?);
@@ -402,7 +402,7 @@ impl Live {
         if let Some(warning) = told.warning() {
             warn!(session, "{warning}");
         }
-        if self.is_stdout() && self.port.is_none() {
+        if self.is_stdout() && self.midi_port.is_none() {
             if !session.printer.is_quiet() {
                 told.text().into_iter().for_each(|line| warn!(session, "{line}"));
             }

@@ -33,13 +33,13 @@ impl Completions {
 #[derive(Debug, Args)]
 pub(crate) struct Man {
     /// Command whose page to print [default: `erard` itself]
-    #[arg(value_name = "COMMAND", conflicts_with = "into")]
+    #[arg(value_name = "COMMAND", conflicts_with = "out")]
     command: Option<String>,
     /// Write the pages of all commands into this folder: erard.1, erard-press.1 and so on
     #[arg(long, value_name = "DIR")]
-    into: Option<PathBuf>,
+    out: Option<PathBuf>,
     /// Replace existing files of these names
-    #[arg(long, requires = "into")]
+    #[arg(long, requires = "out")]
     force: bool,
 }
 
@@ -48,7 +48,7 @@ impl Man {
     pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         let mut program = super::definition();
         program.build();
-        if let Some(folder) = &self.into {
+        if let Some(folder) = &self.out {
             let pages: Vec<(String, clap::Command)> = std::iter::once(("erard.1".to_owned(), program.clone()))
                 .chain(program.get_subcommands().filter(|c| c.get_name() != "help").map(|command| {
                     let name = format!("erard-{}", command.get_name());

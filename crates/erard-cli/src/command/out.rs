@@ -58,7 +58,8 @@ pub(crate) struct OwnFile {
 }
 
 impl OwnFile {
-    /// Where `--out` says; else here, named after the instrument with this `end`. `whose` file it is, messages say.
+    /// Where `--out-file` says; else here, named after the instrument with this `end`. `whose` file it is, messages
+    /// say.
     ///
     /// # Errors
     /// [`Failure::Usage`] for a name that cannot be, or must not be replaced.
@@ -78,16 +79,16 @@ impl OwnFile {
         let wrong = |why: &str| Err(Failure::Usage(format!("{}: {why}", shown(&file))));
         let extension = end.rsplit('.').next().unwrap_or_default();
         if file.is_dir() {
-            return wrong(&format!("is a folder; expected a file name: --out names the {whose} file"));
+            return wrong(&format!("is a folder; expected a file name: --out-file names the {whose} file"));
         }
         if file.extension().is_none_or(|own| !own.eq_ignore_ascii_case(extension)) {
             return wrong(&format!("expected a name that ends in .{extension}"));
         }
         if session.inputs.is_one(&file) {
-            return wrong("is the input instrument, which is never overwritten; name another file with --out");
+            return wrong("is the input instrument, which is never overwritten; name another file with --out-file");
         }
         if file.exists() && !force {
-            return wrong("exists; name another file with --out, or add --force to replace it");
+            return wrong("exists; name another file with --out-file, or add --force to replace it");
         }
         let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -44,7 +44,7 @@ pub(crate) struct Play {
     keyboard: Base,
     /// Second keyboard to compare with: which notes are lost on one of the two only
     #[arg(long, value_name = "KEYBOARD")]
-    against: Option<Base>,
+    against_keyboard: Option<Base>,
     /// Law between velocity and hammer speed: `logarithmic`, MIDI = 52 + 25 log2(v), v in m/s; `linear:V`, velocity 127
     /// at V m/s; or your own table, a file of points with the head `m_per_s,velocity`
     #[arg(long, value_name = "LAW", default_value = "logarithmic")]
@@ -57,7 +57,7 @@ pub(crate) struct Play {
     to: Option<f64>,
     /// Time from one row of an action to the next while it is awake, ms, 0.05 to 1000
     #[arg(long, value_name = "MS", default_value_t = 1.0, value_parser = between(Quantity::Time, "ms", 0.05, 1000.0), allow_hyphen_values = true)]
-    record_every: f64,
+    record_interval: f64,
     /// Also write the force of all strings on the bridge as sound, NAME.wav in the output folder. Needs modal strings.
     /// 48 kHz, 16 bit, peak at 0.9 of full scale. There is no soundboard: it does not sound like a piano. Steps are
     /// then 1/48000 s [default: play.wav]
@@ -83,7 +83,7 @@ impl Play {
     pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         let points = self.law_points(session)?;
         let score = score(session, &self.piece, self.law(&points)?, self.from, self.to)?;
-        let names = std::iter::once(&self.keyboard).chain(&self.against);
+        let names = std::iter::once(&self.keyboard).chain(&self.against_keyboard);
         let keyboards = names.map(|name| load_keyboard(session, name)).collect::<Result<Vec<Keyboard>, Failure>>()?;
         let threads = self.threads.map_or_else(cores::count, usize::from);
         let mut output = self.out.prepare(session, "play", &["summary.json", "play.html"])?;
@@ -139,7 +139,7 @@ impl Play {
             return Err(Failure::Usage(format!("{}: {message}", keyboard.name)));
         }
         let moments = usize::from(self.slow_motion);
-        let options = Options { row_s: 1e-3 * self.record_every, sound: self.wav.is_some(), moments, threads };
+        let options = Options { row_s: 1e-3 * self.record_interval, sound: self.wav.is_some(), moments, threads };
         let (spools, file) = (Spools::default(), output.spools());
         let mut progress = session.progress(&format!("playing on {}", keyboard.name));
         let started = Instant::now();

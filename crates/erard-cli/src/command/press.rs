@@ -79,7 +79,7 @@ pub(crate) struct Press {
     /// Find the hand that reaches the level for each instrument and each sample of --bands. Otherwise all are played by
     /// the hand found for the first
     #[arg(long)]
-    each: bool,
+    hand_per_variant: bool,
     #[command(flatten)]
     bands: BandOptions,
     #[command(flatten)]
@@ -242,7 +242,7 @@ impl Press {
         let values = |summary: &Summary| MEASURES.iter().map(|one| value(&summary.json, one)).collect::<Vec<_>>();
         let names_of = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
         let model = self.instrument.model;
-        let each = self.each && self.stroke.is_touch();
+        let each = self.hand_per_variant && self.stroke.is_touch();
         let Some(asked) = self.instrument.first() else { return Err(Failure::Internal("no instrument".into())) };
         bands::bands(session, asked, count, &names, &values(own), None, |instrument, _, progress| {
             let found = each.then(|| self.stroke.touch_on(instrument, progress)).transpose();
@@ -281,7 +281,7 @@ impl Press {
                 "--against with two instruments: expected either two instruments or two strokes, so that the page shows one difference".into(),
             )),
             (Some(other), _) => Ok(vec![stroke, other.load_with_noise(session, reference)?]),
-            (None, [first, second]) if self.stroke.is_touch() && (self.each || are_keys(first, second)) => {
+            (None, [first, second]) if self.stroke.is_touch() && (self.hand_per_variant || are_keys(first, second)) => {
                 Ok(vec![stroke, self.stroke.load_with_noise(session, &second.whole)?])
             }
             (None, _) => Ok(vec![stroke]),

@@ -56,7 +56,7 @@ pub(crate) struct Regulate {
     lengths: Lengths,
     /// New instrument file [default: INSTRUMENT-regulated.toml in this folder]
     #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    out_file: Option<PathBuf>,
     /// Replace FILE and its report if they exist
     #[arg(long)]
     force: bool,
@@ -120,7 +120,7 @@ impl Regulate {
     pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         let specification = self.specification()?;
         let (instrument, text) = load_instrument_and_text(session, &self.instrument)?;
-        let (out, asked) = (self.out.as_deref(), self.instrument.to_string());
+        let (out, asked) = (self.out_file.as_deref(), self.instrument.to_string());
         let OwnFile { folder, name } =
             OwnFile::of(session, out, &asked, "-regulated.toml", "new instrument's", self.force)?;
         let report_name = Path::new(&name).with_extension("json").to_string_lossy().into_owned();

@@ -48,13 +48,13 @@ pub(crate) struct Study {
         requires = "sensitivities",
         conflicts_with = "vary"
     )]
-    by: Vec<String>,
+    parameters: Vec<String>,
     /// With --sensitivities: the results, with commas, out of hammer_speed_m_per_s, let_off_s, hammer_contact_s,
     /// key_bottom_s, key_bottom_after_impact_s, free_flight_s, key_start_s, toe_contact_s, key_start_to_hammer_s,
     /// down_weight_g, up_weight_g, balance_weight_g [default: hammer_speed_m_per_s, let_off_s,
     /// key_bottom_after_impact_s, down_weight_g, balance_weight_g]
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',', requires = "sensitivities", conflicts_with = "vary")]
-    of: Vec<String>,
+    outcomes: Vec<String>,
     /// With --sensitivities: what happens to the rest at which the stroke starts while a number changes
     #[arg(long, value_enum, default_value = "moves", requires = "sensitivities")]
     rest: RestAsked,
@@ -79,7 +79,7 @@ pub(crate) struct Study {
     /// Find the hand that reaches the level for each variant. Otherwise all are played by the hand found for the
     /// unvaried instrument. Each key always has its own hand
     #[arg(long, conflicts_with = "sensitivities")]
-    each: bool,
+    hand_per_variant: bool,
     /// Compute in single precision: twice as many strokes at a time, hammer speeds to about 1e-4
     #[arg(long)]
     single: bool,
@@ -253,12 +253,12 @@ impl Study {
 
     /// The derivatives of a stroke's outcome.
     fn tell_what_matters(&self, session: &mut Session) -> Result<Answer, Failure> {
-        let of = sensitive::wanted(&self.of)?;
+        let of = sensitive::wanted(&self.outcomes)?;
         let (whole, text) = load_instrument_and_text(session, self.instrument.asked())?;
         let stroke = self.stroke.load(session, &whole)?;
         let instrument = self.instrument.reduced(whole)?;
         let settings = self.step.settings(&instrument)?;
-        let by = sensitive::variables(&instrument, &text, &self.by, self.stroke.is_constant())?;
+        let by = sensitive::variables(&instrument, &text, &self.parameters, self.stroke.is_constant())?;
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
         let setup =
             Setup { settings, start_s: stroke.start_s, ledger: false, hand: stroke.hand(), ..Setup::new(duration_s) };
@@ -296,15 +296,17 @@ impl Study {
     fn each(&self, axes: &[Axis]) -> Result<Option<&StrokeOptions>, Failure> {
         let is_touch = self.stroke.is_touch() && !axes.iter().any(|axis| axis.target == Target::Force);
         let has_levels = self.instrument.model == Which::Action;
-        if self.each && !is_touch {
-            return Err(Failure::Usage("--each needs a level to reach; add --stroke or --hammer-speed".into()));
-        }
-        if self.each && !has_levels {
+        if self.hand_per_variant && !is_touch {
             return Err(Failure::Usage(
-                "--each needs a hammer, and --model one-dof has none; remove one of them".into(),
+                "--hand-per-variant needs a level to reach; add --stroke or --hammer-speed".into(),
             ));
         }
-        let wanted = self.each || axes.iter().any(|axis| axis.target == Target::Key);
+        if self.hand_per_variant && !has_levels {
+            return Err(Failure::Usage(
+                "--hand-per-variant needs a hammer, and --model one-dof has none; remove one of them".into(),
+            ));
+        }
+        let wanted = self.hand_per_variant || axes.iter().any(|axis| axis.target == Target::Key);
         Ok(Some(&self.stroke).filter(|_| wanted && is_touch && has_levels))
     }
 

@@ -1,4 +1,4 @@
-//! `erard keyboard --weigh`: from a table of weights to a work list.
+//! `erard keyboard --measured`: from a table of weights to a work list.
 
 use erard::parameter::{NumberError, Quantity};
 use std::path::Path;
@@ -30,28 +30,28 @@ pub(crate) struct WeighOptions {
     /// (or balance weight and friction weight); keys and cells may be missing. Writes a work list by operation:
     /// friction, hammers, leads. Lengths and unmeasured values come from KEYBOARD
     #[arg(long, value_name = "MEASURED.csv", conflicts_with_all = ["every", "key"])]
-    weigh: Option<std::path::PathBuf>,
+    measured: Option<std::path::PathBuf>,
     /// Target for every key: balance=38g, or inertia=0.25kg, or both; without a unit g and kg [default: the balance
     /// weight nearest to the median with which down-weight and up-weight can be usual]
-    #[arg(long = "target", value_name = "WHAT=VALUE", requires = "weigh")]
+    #[arg(long = "target", value_name = "WHAT=VALUE", requires = "measured")]
     targets: Vec<String>,
     /// First bring all strike weights to their smooth curve (or to the target inertia), then add leads. Without it,
     /// only hammers that differ from their neighbours
-    #[arg(long, requires = "weigh")]
+    #[arg(long, requires = "measured")]
     hammers: bool,
     /// Masses of the available leads, g [default: 14,10,7,4]
-    #[arg(long, value_name = "G,G,..", value_parser = list(number(Quantity::Mass, "g")), allow_hyphen_values = true, requires = "weigh")]
-    leads: Vec<Values>,
+    #[arg(long, value_name = "G,G,..", value_parser = list(number(Quantity::Mass, "g")), allow_hyphen_values = true, requires = "measured")]
+    lead_masses: Vec<Values>,
     /// Last key of each section of strings but the highest, by number or note: samples of an operation are at the ends
     /// of sections [default: 20,50,70, an estimate for a concert grand]
-    #[arg(long = "sections", value_name = "KEY,KEY,..", value_delimiter = ',', value_parser = key, requires = "weigh")]
+    #[arg(long = "sections", value_name = "KEY,KEY,..", value_delimiter = ',', value_parser = key, requires = "measured")]
     section_ends: Vec<usize>,
-    /// Carry out the list on simulated copies of the keys and weigh them again: again.csv, a table for --weigh
-    #[arg(long, requires = "weigh")]
-    carry_out: bool,
+    /// Carry out the list on simulated copies of the keys and weigh them again: again.csv, a table for --measured
+    #[arg(long, requires = "measured")]
+    simulate_work: bool,
     /// Number of keys to check in the dynamic model, from bass to treble
-    #[arg(long, value_name = "KEYS", default_value_t = 3, value_parser = whole::<usize>(0, 88), requires = "weigh")]
-    sample: usize,
+    #[arg(long, value_name = "KEYS", default_value_t = 3, value_parser = whole::<usize>(0, 88), requires = "measured")]
+    checked_keys: usize,
     #[command(flatten)]
     lengths: Lengths,
     #[command(flatten)]
@@ -64,7 +64,7 @@ const MOST_LEADS: usize = 12;
 impl WeighOptions {
     /// Whether a table is to be worked on.
     pub(crate) fn asked(&self) -> Option<&Path> {
-        self.weigh.as_deref()
+        self.measured.as_deref()
     }
 
     /// Runs the work.
@@ -80,7 +80,7 @@ impl WeighOptions {
         let measured = read(utf8(&bytes, &file)?, &file).map_err(|error| Failure::Usage(error.to_string()))?;
         let instruments = keyboard.instruments()?;
         let files = ["weigh.csv", "weigh.json", "weigh.html", "weigh.svg", "weigh.png", "again.csv"];
-        let mut output = out.prepare(session, "keyboard", &files[..if self.carry_out { 6 } else { 5 }])?;
+        let mut output = out.prepare(session, "keyboard", &files[..if self.simulate_work { 6 } else { 5 }])?;
         let failed = |error: MeasureError| Failure::Measure { label: keyboard.name.clone(), error: Box::new(error) };
 
         let mut progress = session.progress("weighing");
@@ -92,14 +92,14 @@ impl WeighOptions {
             let why = "no key has both a down-weight and an up-weight; expected --target balance=38g";
             return Err(Failure::Usage(format!("{file}: {why}")));
         };
-        let sample: Vec<(&BalancedKey, _)> = spread(&list, self.sample)
+        let sample: Vec<(&BalancedKey, _)> = spread(&list, self.checked_keys)
             .into_iter()
             .map(|key| (key, instruments[key.measured.key - 1].clone()))
             .collect();
         progress.say("checking");
-        let rest = if self.carry_out { 0.2 } else { 0.7 };
+        let rest = if self.simulate_work { 0.2 } else { 0.7 };
         let checked = check(&sample, &mut |share| progress.tell(0.3 + rest * share)).map_err(failed)?;
-        let weighed_again = if self.carry_out {
+        let weighed_again = if self.simulate_work {
             progress.say("carrying out");
             let tell = &mut |share: f64| progress.tell(0.5 + 0.5 * share);
             Some(carry_out(&list, &instruments, tell).map_err(failed)?)
@@ -182,12 +182,12 @@ impl WeighOptions {
     }
 
     fn leads_g(&self) -> Result<Vec<f64>, Failure> {
-        let given: Vec<f64> = self.leads.iter().flat_map(|list| list.0.iter().copied()).collect();
+        let given: Vec<f64> = self.lead_masses.iter().flat_map(|list| list.0.iter().copied()).collect();
         let leads = if given.is_empty() { LEADS_G.to_vec() } else { given };
         match leads.iter().find(|mass| !(1.0..=50.0).contains(*mass)) {
-            Some(mass) => Err(Failure::Usage(format!("--leads: {mass} g; expected masses from 1 to 50 g"))),
+            Some(mass) => Err(Failure::Usage(format!("--lead-masses: {mass} g; expected masses from 1 to 50 g"))),
             None if leads.len() > MOST_LEADS => {
-                Err(Failure::Usage(format!("--leads: {} masses; expected {MOST_LEADS} at most", leads.len())))
+                Err(Failure::Usage(format!("--lead-masses: {} masses; expected {MOST_LEADS} at most", leads.len())))
             }
             None => Ok(leads),
         }

@@ -29,10 +29,10 @@ pub(crate) fn wanted(keys: &[String]) -> Result<Vec<Quantity>, Failure> {
     for key in asked {
         let Some(one) = all.iter().find(|one| one.key == key) else {
             let known: Vec<&str> = all.iter().map(|one| one.key).collect();
-            return Err(Failure::Usage(format!("--of: found `{key}`, expected keys of {}", known.join(", "))));
+            return Err(Failure::Usage(format!("--outcomes: found `{key}`, expected keys of {}", known.join(", "))));
         };
         if found.contains(one) {
-            return Err(Failure::Usage(format!("--of: `{key}` is given twice")));
+            return Err(Failure::Usage(format!("--outcomes: `{key}` is given twice")));
         }
         found.push(*one);
     }
@@ -55,13 +55,13 @@ pub(crate) fn variables(
     let mut found: Vec<Variable> = Vec::new();
     for name in names {
         if name == "force" && !constant {
-            return Err(Failure::Usage("--by force needs a constant force; add --force-step".into()));
+            return Err(Failure::Usage("--parameters force needs a constant force; add --force-step".into()));
         }
         if found.iter().any(|one| one.name == *name) {
-            return Err(Failure::Usage(format!("--by: `{name}` is given twice")));
+            return Err(Failure::Usage(format!("--parameters: `{name}` is given twice")));
         }
         let one = Variable::named(instrument, text, name)
-            .map_err(|error: VariableError| Failure::Usage(format!("--by: {error}")))?;
+            .map_err(|error: VariableError| Failure::Usage(format!("--parameters: {error}")))?;
         found.push(one);
     }
     Ok(found)

@@ -1,4 +1,4 @@
-//! What `erard keyboard --weigh` makes of a keyboard that was weighed: the readings, the work list by operation, as
+//! What `erard keyboard --measured` makes of a keyboard that was weighed: the readings, the work list by operation, as
 //! text, table, page and figure.
 
 mod figure;

@@ -85,7 +85,7 @@ pub(crate) fn table(work: &Work<'_>) -> Table<'static> {
     WORK.into_iter().fold(led, numbers)
 }
 
-/// again.csv: the keys weighed again, with the columns that `--weigh` reads.
+/// again.csv: the keys weighed again, with the columns that `--measured` reads.
 pub(crate) fn again(keys: &[MeasuredKey]) -> Table<'static> {
     type Number = (&'static str, fn(&MeasuredKey) -> Option<f64>);
     const WEIGHED: [Number; 6] = [

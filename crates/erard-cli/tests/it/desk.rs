@@ -89,7 +89,7 @@ fn completions_and_manual_pages() {
     let page = folder.good(&["man", "press"]);
     assert!(page.contains("erard\\-press") && page.contains("\\-\\-touch"), "{page}");
     assert!(folder.bad(&["man", "lunch"]).contains("`lunch`"));
-    let written = folder.good(&["man", "--into", "pages"]);
+    let written = folder.good(&["man", "--out", "pages"]);
     assert!(written.contains("erard-compare.1"), "{written}");
     assert_eq!(written.split(',').count(), std::fs::read_dir(folder.0.join("pages")).unwrap().count());
 }
@@ -158,7 +158,7 @@ fn run_lines(folder: &Folder, lines: &str) -> usize {
         assert!(program.starts_with("erard"), "not a command of ours: {line}");
         let shortened = match (program.as_str(), words.first().map(String::as_str)) {
             ("erard-bench", _) => &["--quick"][..],
-            (_, Some("keyboard")) if !words.contains(&"--weigh".to_owned()) => &["--every", "40"],
+            (_, Some("keyboard")) if !words.contains(&"--measured".to_owned()) => &["--every", "40"],
             _ => &[],
         };
         words.extend(shortened.iter().map(|word| (*word).to_owned()));

@@ -73,8 +73,11 @@ fn heard(everywhere: bool) {
         (&["study", "--vary", "let_off=-1mm..1mm:100000"], &[300]),
         (&["measure"], &[200]),
         // Strokes are prepared, played side by side, and with derivatives.
-        (&["fit", "concert-grand", "mf.csv", "--vary", "body.hammer.mass"], &[100, 500]),
-        (&["fit", "concert-grand", "mf.csv", "--vary", "body.hammer.mass", "--jacobian", "gradient"], &[400, 900]),
+        (&["fit", "concert-grand", "mf.csv", "--parameters", "body.hammer.mass"], &[100, 500]),
+        (
+            &["fit", "concert-grand", "mf.csv", "--parameters", "body.hammer.mass", "--jacobian", "gradient"],
+            &[400, 900],
+        ),
     ] {
         for &delay_ms in delays_ms.iter().take(if everywhere { delays_ms.len() } else { 1 }) {
             let mut child = folder.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();

@@ -40,7 +40,7 @@ fn doubtful(folder: &Folder, arguments: &[&str], kinds: &[&str]) -> String {
 fn a_fit_is_written() {
     let folder = Folder::new("fit-written");
     folder.file("mf.csv", MF);
-    let arguments = ["fit", "concert-grand", "mf.csv", "--vary=body.hammer.mass", "--restarts=0"];
+    let arguments = ["fit", "concert-grand", "mf.csv", "--parameters=body.hammer.mass", "--restarts=0"];
     // Four numbers of the grand that was recorded are others.
     let said = doubtful(&folder, &arguments, &["misfit"]);
     let found = json(&folder);
@@ -72,7 +72,7 @@ fn a_recording_is_fitted_in_one_command() {
     let folder = Folder::new("fit");
     folder.file("mf.csv", MF);
     folder.file("f.csv", F);
-    let vary = "--vary=body.hammer.mass,zone.capstan_heel.stiffness,body.key_back.friction,let_off";
+    let vary = "--parameters=body.hammer.mass,zone.capstan_heel.stiffness,body.key_back.friction,let_off";
     let said = folder.good(&[
         "fit",
         "concert-grand",
@@ -138,7 +138,7 @@ fn a_recording_is_fitted_in_one_command() {
         "erard-out-fit/fitted.toml",
         "mf.csv",
         "f.csv",
-        "--vary=body.hammer.mass",
+        "--parameters=body.hammer.mass",
         "--no-pictures",
         "--out",
         "again",
@@ -163,7 +163,7 @@ fn what_is_not_told_is_said() {
     }
     folder.file("late.csv", &late);
     let vary =
-        "--vary=body.hammer.mass,zone.capstan_heel.stiffness,body.key_back.friction,let_off,zone.check.stiffness";
+        "--parameters=body.hammer.mass,zone.capstan_heel.stiffness,body.key_back.friction,let_off,zone.check.stiffness";
     let bounds = ["--bounds=body.hammer.mass=x0.5..2", "--bounds=let_off=-1..1"];
     let how = ["--delays", "--restarts=1", "--no-pictures"];
     let said = folder.good(&[&["fit", "concert-grand", "late.csv", vary], &bounds[..], &how].concat());
@@ -185,13 +185,13 @@ fn what_is_wrong_is_named() {
     folder.file("backward.csv", "time_s,force_N,key_m\n0,1,0\n0.001,1,0\n0.0005,1,0\n");
     let pressed: String = (0..200).map(|n| format!("{},2.5,{}\n", f64::from(n) * 1e-3, 1e-5 * f64::from(n))).collect();
     folder.file("pressed.csv", &format!("time_s,force_N,key_m\n{pressed}"));
-    let mass = "--vary=body.hammer.mass";
+    let mass = "--parameters=body.hammer.mass";
     for (arguments, told) in [
-        (&["mf.csv", "--vary=body.hammer.mas"][..], "nearest `body.hammer.mass`"),
-        (&["mf.csv", "--vary=body.hammer.mass_g"], "a number of the file"),
-        (&["mf.csv", "--vary=body.hammer.mass,body.hammer.mass"], "twice"),
-        (&["mf.csv", "--vary="], "--vary"),
-        (&["mf.csv"], "--vary"),
+        (&["mf.csv", "--parameters=body.hammer.mas"][..], "nearest `body.hammer.mass`"),
+        (&["mf.csv", "--parameters=body.hammer.mass_g"], "a number of the file"),
+        (&["mf.csv", "--parameters=body.hammer.mass,body.hammer.mass"], "twice"),
+        (&["mf.csv", "--parameters="], "--parameters"),
+        (&["mf.csv"], "--parameters"),
         (&[mass], "RECORDING"),
         (&["nobody.csv", mass], "nobody.csv: cannot be read"),
         (&["empty.csv", mass], "empty.csv"),

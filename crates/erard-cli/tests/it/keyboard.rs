@@ -230,7 +230,7 @@ fn beside_each_other(alone: &[(&str, usize)]) {
     assert!(page.contains(">Mine<") && page.contains("data:image/svg+xml;base64,"));
     let svg = folder.read("both/keyboard.svg");
     assert!(svg.contains("Concert grand beside Mine") && svg.contains("front weight (g)"));
-    for one in [["--key", "3"], ["--weigh", "both/keyboard-1.csv"]] {
+    for one in [["--key", "3"], ["--measured", "both/keyboard-1.csv"]] {
         assert!(folder.bad(&[&["keyboard", "concert-grand", "mine.toml"][..], &one].concat()).contains("one keyboard"));
     }
     // The same one twice differs in nothing.

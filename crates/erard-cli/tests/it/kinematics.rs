@@ -70,7 +70,7 @@ fn the_known_numbers() {
     let folder = Folder::for_command("kinematics", "known");
     folder.file("c7f.toml", C7F);
     for levers in ["c7f-like", "c7f.toml"] {
-        folder.good(&[levers, "--from", "0.75", "--to", "7.75", "--steps", "7"]);
+        folder.good(&[levers, "--from-travel", "0.75", "--to-travel", "7.75", "--steps", "7"]);
         let out = folder.0.join("erard-out-kinematics");
         let unmoved = &rows(&out)["unmoved"];
         let [key, head, leverage] = ["key_mm", "hammer_mm", "leverage"].map(|name| values(unmoved, name));
@@ -81,7 +81,7 @@ fn the_known_numbers() {
             assert!(leverage[step] > ratio && ratio > leverage[step + 1], "it falls through the step");
         }
         let millimetres = fs::read(out.join("kinematics.csv")).unwrap();
-        folder.good(&[levers, "--from", "0.075 cm", "--to", "7.75mm", "--steps", "7"]);
+        folder.good(&[levers, "--from-travel", "0.075 cm", "--to-travel", "7.75mm", "--steps", "7"]);
         assert_eq!(fs::read(out.join("kinematics.csv")).unwrap(), millimetres, "units may be typed");
         folder.good(&[levers]);
         let (rows, summary) = (rows(&out), summary(&out));
@@ -205,7 +205,7 @@ fn equations() {
 #[test]
 fn unreachable() {
     let folder = Folder::for_command("kinematics", "unreachable");
-    let output = folder.erard(&["c7f-like", "--to", "60", "--steps", "60", "--move", "capstan=-10mm"]);
+    let output = folder.erard(&["c7f-like", "--to-travel", "60", "--steps", "60", "--move", "capstan=-10mm"]);
     let told = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1));
     assert!(told.contains("unmoved: the levers stop at key 41.636 mm of 60 mm"), "{told}");
@@ -246,19 +246,19 @@ fn bad_arguments() {
         (&["--move", "capstan=1mm", "--move", "capstan=1.0mm"], "given twice"),
         (&["--steps", "0"], "--steps 0: expected a number from 1"),
         (&["--steps", "-5"], "--steps -5: expected a number from 1"),
-        (&["--from", "5", "--to", "3"], "expected --to to be larger"),
-        (&["--from", "3", "--to", "3"], "expected --to to be larger"),
-        (&["--from", "NaN"], "expected a length"),
-        (&["--to", "inf"], "expected a length"),
-        (&["--to", "2m"], "--to 2000: expected a number of at most 1000 mm"),
-        (&["--to", "ten"], "invalid value 'ten'"),
-        (&["--from", "9"], "let-off, 5.77 mm"),
+        (&["--from-travel", "5", "--to-travel", "3"], "expected --to-travel to be larger"),
+        (&["--from-travel", "3", "--to-travel", "3"], "expected --to-travel to be larger"),
+        (&["--from-travel", "NaN"], "expected a length"),
+        (&["--to-travel", "inf"], "expected a length"),
+        (&["--to-travel", "2m"], "--to-travel 2000: expected a number of at most 1000 mm"),
+        (&["--to-travel", "ten"], "invalid value 'ten'"),
+        (&["--from-travel", "9"], "let-off, 5.77 mm"),
         (&["c7f-like", "--instrument", "concert-grand"], "cannot be used with"),
         (&["concert-grand"], "`concert-grand` is an instrument: --instrument concert-grand"),
         (&["d-like"], "no built-in linkage `d-like` (built in: c7f-like, steinway-o-like)"),
         (&["nowhere.toml"], "nowhere.toml: cannot be read"),
         (&["--instrument", "c7f-like"], "no built-in instrument `c7f-like`"),
-        (&["--equations", "--to", "5"], "cannot be used with"),
+        (&["--equations", "--to-travel", "5"], "cannot be used with"),
         (&["--latex"], "--equations"),
     ] {
         let error = folder.bad(arguments);
@@ -347,17 +347,17 @@ fn built_in_linkages() {
         assert!(listed.contains(name), "{listed}");
         folder.file("it.toml", &folder.good(&[name, "--print"]));
         for asked in [name, "it.toml", &format!("{}/../../linkages/{name}.toml", env!("CARGO_MANIFEST_DIR"))] {
-            let said = folder.good(&[asked, "--check"]).split_whitespace().collect::<Vec<_>>().join(" ");
+            let said = folder.good(&[asked, "--check-file"]).split_whitespace().collect::<Vec<_>>().join(" ");
             assert!(said.contains("a linkage") && said.contains("reach each other at rest"), "{said}");
         }
     }
     let answer: Value = serde_json::from_str(&folder.good(&["--list", "--json"])).unwrap();
     assert_eq!(answer["built_in"][0]["kind"], "linkage", "{answer}");
-    let answer: Value = serde_json::from_str(&folder.good(&["c7f-like", "--check", "--json"])).unwrap();
+    let answer: Value = serde_json::from_str(&folder.good(&["c7f-like", "--check-file", "--json"])).unwrap();
     assert_eq!(answer["kind"], "linkage", "{answer}");
     assert_eq!(folder.names(), ["it.toml"]);
     assert!(folder.bad(&["it.toml", "--print"]).contains("built in: c7f-like"));
-    assert!(folder.bad(&["--check"]).contains("LINKAGE.toml"));
+    assert!(folder.bad(&["--check-file"]).contains("LINKAGE.toml"));
 }
 
 /// Results of another command are not replaced, and neither are one's own where there is nothing to show.
@@ -371,7 +371,7 @@ fn nothing_is_lost() {
     let before = [folder.read("erard-out/summary.json"), folder.read("erard-out-kinematics/summary.json")];
     let error = folder.bad(&["c7f-like", "--out", "erard-out"]);
     assert!(error.contains("summary.json: is a result of `erard press`"), "{error}");
-    assert!(folder.bad(&["--from", "999", "--to", "1000"]).contains("no pose is reached"));
+    assert!(folder.bad(&["--from-travel", "999", "--to-travel", "1000"]).contains("no pose is reached"));
     assert_eq!(before, [folder.read("erard-out/summary.json"), folder.read("erard-out-kinematics/summary.json")]);
 }
 

@@ -67,7 +67,7 @@ fn one_hand_plays_both_unless_each_has_its_own() {
     let close = |found: f64| (found / 1.99 - 1.0).abs() <= 1e-3;
     let [first, second] = speeds(&both);
     assert!(close(first) && second < 1.9, "{first} {second}");
-    let [first, second] = speeds(&[&both[..], &["--each"]].concat());
+    let [first, second] = speeds(&[&both[..], &["--hand-per-variant"]].concat());
     assert!(close(first) && close(second), "{first} {second}");
     // Each key has a hand of its own, by whatever name the key is asked for.
     let keys = |a0: &str, c8: &str| speeds(&["--instrument", a0, "--instrument", c8]);

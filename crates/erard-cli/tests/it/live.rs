@@ -48,7 +48,7 @@ fn sensed_keys_become_notes() {
     let folder = Folder::new("live-notes");
     let stream = sensed("mm", 0.0, 9.9);
     folder.file("stream.csv", &stream);
-    let said = folder.good(&["live", "stream.csv", "--out", "take.mid"]);
+    let said = folder.good(&["live", "stream.csv", "--out-file", "take.mid"]);
     assert!(said.contains("3 note-ons, 3 note-offs"), "{said}");
     let piece = read(&std::fs::read(folder.0.join("take.mid")).unwrap()).unwrap();
     let keys: Vec<usize> = piece.notes.iter().map(|note| note.key).collect();
@@ -57,9 +57,9 @@ fn sensed_keys_become_notes() {
     assert!(velocities[0] < velocities[2] && velocities[2] < velocities[1], "{velocities:?}");
 
     folder.file("readings.csv", &sensed("raw", 3000.0, 1000.0));
-    let said = folder.good(&["calibrate", "readings.csv", "--travel", "9.9", "--out", "profile.toml"]);
+    let said = folder.good(&["calibrate", "readings.csv", "--travel", "9.9", "--out-file", "profile.toml"]);
     assert!(said.contains("2 keys") && folder.read("profile.toml").contains("rest = 3000"), "{said}");
-    let said = folder.good(&["live", "readings.csv", "--calibration", "profile.toml", "--out", "bytes"]);
+    let said = folder.good(&["live", "readings.csv", "--calibration", "profile.toml", "--out-file", "bytes"]);
     assert!(said.contains("3 note-ons, 3 note-offs"), "{said}");
     let bytes = std::fs::read(folder.0.join("bytes")).unwrap();
     let ons: Vec<&[u8]> = bytes.chunks(3).filter(|bytes| bytes[0] == 0x90).collect();
@@ -74,7 +74,7 @@ fn sensed_keys_become_notes_through_a_pipe() {
     let folder = Folder::new("live-pipe");
     let stream = sensed("mm", 0.0, 9.9);
     folder.file("stream.csv", &stream);
-    folder.good(&["live", "stream.csv", "--out", "bytes"]);
+    folder.good(&["live", "stream.csv", "--out-file", "bytes"]);
     let output = piped(&folder, &["live"], &stream);
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success() && said.contains("handed over after the impact"), "{said}");
@@ -146,7 +146,7 @@ fn keys_and(keys: &[usize], velocities: &[u8]) -> Vec<[u8; 3]> {
 fn faults_are_told() {
     faults_told("live-faults", |folder, coarse| {
         folder.file("coarse.csv", coarse);
-        let output = folder.erard(&["live", "coarse.csv", "--bits", "16", "--out", "packets"]);
+        let output = folder.erard(&["live", "coarse.csv", "--velocity-bits", "16", "--out-file", "packets"]);
         Output { stdout: std::fs::read(folder.0.join("packets")).unwrap(), stderr: both(&output), ..output }
     });
 }
@@ -154,7 +154,7 @@ fn faults_are_told() {
 #[test]
 #[ignore = "ci: a pipe, which may play any key"]
 fn faults_of_a_pipe_are_told() {
-    faults_told("live-faults-piped", |folder, coarse| piped(folder, &["live", "--bits", "16"], coarse));
+    faults_told("live-faults-piped", |folder, coarse| piped(folder, &["live", "--velocity-bits", "16"], coarse));
 }
 
 fn both(output: &Output) -> Vec<u8> {
@@ -206,33 +206,33 @@ fn what_cannot_be_played_is_refused() {
     let stuck: String = (0..500).map(|n| format!("{},40,7\n", 1e-3 * f64::from(n))).collect();
     folder.file("stuck.csv", &format!("time_s,key,raw\n{stuck}"));
     for (arguments, part) in [
-        (&["live", "nowhere.csv", "--out", "o.mid"][..], "nowhere.csv: cannot be read"),
-        (&["live", "empty.csv", "--out", "o.mid"], "it is empty"),
-        (&["live", "headless.csv", "--out", "o.mid"], "expected a head"),
-        (&["live", "nothing.csv", "--out", "o.mid"], "line 2: time is `a`"),
-        (&["live", "raw.csv", "--out", "o.mid"], "--calibration"),
-        (&["live", "mm.csv", "--calibration", "profile.toml", "--out", "o.mid"], "--calibration converts"),
-        (&["live", "pressure.csv", "--calibration", "profile.toml", "--out", "o.mid"], "polyphonic pressure"),
-        (&["live", "raw.csv", "--calibration", "wrong.toml", "--out", "o.mid"], "wrong.toml: line"),
-        (&["live", "mm.csv", "--bits", "16", "--out", "o.mid"], "Standard MIDI File"),
-        (&["live", "mm.csv", "--travel", "4", "--out", "o.mid"], "--travel goes with"),
-        (&["live", "mm.csv", "--out", "mm.csv"], "is the stream"),
-        (&["live", "mm.csv", "--out", "raw.csv"], "raw.csv"),
-        (&["live", "mm.csv", "--channel", "17", "--out", "o.mid"], "17"),
+        (&["live", "nowhere.csv", "--out-file", "o.mid"][..], "nowhere.csv: cannot be read"),
+        (&["live", "empty.csv", "--out-file", "o.mid"], "it is empty"),
+        (&["live", "headless.csv", "--out-file", "o.mid"], "expected a head"),
+        (&["live", "nothing.csv", "--out-file", "o.mid"], "line 2: time is `a`"),
+        (&["live", "raw.csv", "--out-file", "o.mid"], "--calibration"),
+        (&["live", "mm.csv", "--calibration", "profile.toml", "--out-file", "o.mid"], "--calibration converts"),
+        (&["live", "pressure.csv", "--calibration", "profile.toml", "--out-file", "o.mid"], "polyphonic pressure"),
+        (&["live", "raw.csv", "--calibration", "wrong.toml", "--out-file", "o.mid"], "wrong.toml: line"),
+        (&["live", "mm.csv", "--velocity-bits", "16", "--out-file", "o.mid"], "Standard MIDI File"),
+        (&["live", "mm.csv", "--travel", "4", "--out-file", "o.mid"], "--travel goes with"),
+        (&["live", "mm.csv", "--out-file", "mm.csv"], "is the stream"),
+        (&["live", "mm.csv", "--out-file", "raw.csv"], "raw.csv"),
+        (&["live", "mm.csv", "--channel", "17", "--out-file", "o.mid"], "17"),
         (&["calibrate", "mm.csv"], "expected a reading"),
         (&["calibrate", "stuck.csv"], "is the sensor stuck?"),
         (&["calibrate", "raw.csv"], "1 readings"),
-        (&["calibrate", "raw.csv", "--law", "nolaw"], "nolaw"),
+        (&["calibrate", "raw.csv", "--sensor-law", "nolaw"], "nolaw"),
     ] {
         let said = Folder::words(&folder.bad(arguments));
         assert!(said.contains(part), "{arguments:?}: {said}");
     }
     if cfg!(not(feature = "ports")) {
-        let said = Folder::words(&folder.bad(&["live", "mm.csv", "--port", "synth"]));
+        let said = Folder::words(&folder.bad(&["live", "mm.csv", "--midi-port", "synth"]));
         assert!(said.contains("--features ports") && said.contains("/dev/snd/midiC1D0"), "{said}");
     }
     // With --json the answer is on standard output: the bytes cannot be.
     let output = folder.erard(&["live", "mm.csv", "--json"]);
     let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!(answer["error"]["message"].as_str().unwrap().contains("--out"), "{answer}");
+    assert!(answer["error"]["message"].as_str().unwrap().contains("--out-file"), "{answer}");
 }

@@ -181,7 +181,9 @@ fn the_technicians_sheet() {
         command.current_dir(&folder.0).arg("regulate").args(arguments).output().unwrap()
     };
     assert!(
-        regulate(&["--let-off", "4mm", "--drop", "4mm", "--spring", "100mm/s", "--out", "worn.toml"]).status.success()
+        regulate(&["--let-off", "4mm", "--drop", "4mm", "--spring", "100mm/s", "--out-file", "worn.toml"])
+            .status
+            .success()
     );
     let said =
         folder.good(&["worn.toml", "--sheet", "--serial", "N 42", "--date", "22 November", "--note", "as <found>"]);

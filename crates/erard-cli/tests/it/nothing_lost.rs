@@ -79,7 +79,7 @@ fn an_input_is_never_replaced() {
     keys.file("keys.toml", &keyboard.replacen("instrument = \"concert-grand\"", "instrument = \"key.toml\"", 1));
     refused(
         &keys,
-        &["regulate", "keys.toml:key=40", "--dip", "10mm", "--out", "key.toml", "--force"],
+        &["regulate", "keys.toml:key=40", "--dip", "10mm", "--out-file", "key.toml", "--force"],
         "is the input instrument",
     );
 }

@@ -82,7 +82,7 @@ fn two_keyboards_are_laid_side_by_side() {
     let repeated: Vec<(usize, f64, f64, u8)> =
         (0..5).map(|i| (44, 2.0 + 0.1 * f64::from(i), 2.05 + 0.1 * f64::from(i), 66)).collect();
     let folder = with("pair", &midi(&[&[(20, 0.5, 1.0, 60)], &repeated[..]].concat()));
-    let options = ["--from", "1.5", "--to", "2.35", "--against", "heavy-touch", "--slow-motion", "2"];
+    let options = ["--from", "1.5", "--to", "2.35", "--against-keyboard", "heavy-touch", "--slow-motion", "2"];
     folder.good(&[&["play", "piece.mid"][..], &CHEAP, &options].concat());
     let summary: Value = serde_json::from_str(&folder.read("out/summary.json")).unwrap();
     assert_eq!(summary["notes"], 4, "{summary}");
@@ -175,7 +175,7 @@ fn files_that_hold_no_piece_are_refused() {
     for (options, expected) in [
         (&["play", "nowhere.mid"][..], "nowhere.mid"),
         (&["play", "good.mid", "--keyboard", "nothing"], "nothing"),
-        (&["play", "good.mid", "--record-every", "0"], "0.05"),
+        (&["play", "good.mid", "--record-interval", "0"], "0.05"),
         (&["play", "good.mid", "--from", "70"], "no note for a piano there"),
     ] {
         fs::write(folder.0.join("good.mid"), &good).unwrap();

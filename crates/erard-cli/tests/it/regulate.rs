@@ -29,7 +29,7 @@ fn mis_set(folder: &Folder) -> String {
 fn a_mis_set_file_is_put_right() {
     let folder = folder("right");
     let wrong = mis_set(&folder);
-    let output = folder.erard(&["wrong.toml", "--out", "right.toml"]);
+    let output = folder.erard(&["wrong.toml", "--out-file", "right.toml"]);
     assert_eq!(output.status.code(), Some(0));
     assert!(output.stderr.is_empty(), "no bar where nobody watches");
     let table = String::from_utf8(output.stdout).unwrap();
@@ -74,12 +74,12 @@ fn a_mis_set_file_is_put_right() {
 fn a_priority_brings_the_aftertouch_into_its_range() {
     let folder = folder("priority");
     let usual = 0.7..=1.3;
-    let plain = folder.erard(&["concert-grand", "--dip", "10mm", "--blow", "46mm", "--out", "plain.toml"]);
+    let plain = folder.erard(&["concert-grand", "--dip", "10mm", "--blow", "46mm", "--out-file", "plain.toml"]);
     assert_eq!(plain.status.code(), Some(0));
     assert!(String::from_utf8(plain.stdout).unwrap().contains("is out of its usual range"));
     for (priority, gave_up, kept) in [("dip", "blow", "dip"), ("aftertouch", "dip", "blow")] {
         let out = format!("{priority}.toml");
-        let asked = ["concert-grand", "--dip", "10mm", "--blow", "46mm", "--priority", priority, "--out", &out];
+        let asked = ["concert-grand", "--dip", "10mm", "--blow", "46mm", "--priority", priority, "--out-file", &out];
         let output = folder.erard(&asked);
         assert_eq!(output.status.code(), Some(0), "{output:?}");
         let text = String::from_utf8(output.stdout).unwrap();
@@ -103,7 +103,7 @@ fn a_priority_brings_the_aftertouch_into_its_range() {
 #[test]
 fn soft_notes_that_strike_twice_are_told() {
     let folder = folder("twice");
-    let output = folder.erard(&["concert-grand", "--spring", "400mm/s", "--out", "strong.toml"]);
+    let output = folder.erard(&["concert-grand", "--spring", "400mm/s", "--out-file", "strong.toml"]);
     assert_eq!(output.status.code(), Some(0));
     let told = String::from_utf8(output.stderr).unwrap();
     assert!(told.contains("strikes twice") && told.contains("--spring"), "{told}");
@@ -140,12 +140,12 @@ fn wrong_arguments_write_nothing() {
         (&["upright"], "no built-in instrument `upright`"),
         (&["missing.toml"], "missing.toml: cannot be read"),
         (&["broken.toml"], "broken.toml:2:8: `name`"),
-        (&["old.toml", "--out", "old.toml"], "is the input instrument"),
-        (&["old.toml", "--out", "./old.toml", "--force"], "is the input instrument"),
-        (&["--out", "old.toml"], "old.toml: exists; name another file"),
-        (&["--out", "new.csv"], "ends in .toml"),
-        (&["--out", "."], "is a folder"),
-        (&["--out", "old.toml/new.toml"], "cannot be written"),
+        (&["old.toml", "--out-file", "old.toml"], "is the input instrument"),
+        (&["old.toml", "--out-file", "./old.toml", "--force"], "is the input instrument"),
+        (&["--out-file", "old.toml"], "old.toml: exists; name another file"),
+        (&["--out-file", "new.csv"], "ends in .toml"),
+        (&["--out-file", "."], "is a folder"),
+        (&["--out-file", "old.toml/new.toml"], "cannot be written"),
     ] {
         let message = folder.bad(arguments);
         assert!(message.starts_with("error: ") && message.contains(says), "{arguments:?}: {message}");
@@ -164,8 +164,8 @@ fn force_replaces_an_old_output() {
     let folder = folder("force");
     folder.file("out.toml", "old");
     folder.file("other.json", "a report");
-    assert!(folder.bad(&["--dip", "9.8", "--out", "other.toml"]).contains("other.json: exists"));
-    folder.good(&["--dip", "9.8", "--out", "out.toml", "--force"]);
+    assert!(folder.bad(&["--dip", "9.8", "--out-file", "other.toml"]).contains("other.json: exists"));
+    folder.good(&["--dip", "9.8", "--out-file", "out.toml", "--force"]);
     let name = Instrument::load(&folder.0.join("out.toml")).unwrap().name.clone();
     assert_eq!(name, "Concert grand, C4");
 }
@@ -175,7 +175,7 @@ fn force_replaces_an_old_output() {
 #[ignore = "ci: two regulations"]
 fn what_cannot_be_met_is_said_and_the_nearest_written() {
     let folder = folder("unmet");
-    let output = folder.erard(&["--dip", "3mm", "--out", "flat.toml"]);
+    let output = folder.erard(&["--dip", "3mm", "--out-file", "flat.toml"]);
     assert_eq!(output.status.code(), Some(1));
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(message.contains("dip 3 mm is not met: the nearest is") && message.contains("front_punching"), "{message}");
@@ -192,7 +192,7 @@ fn what_cannot_be_met_is_said_and_the_nearest_written() {
 fn interrupted_it_leaves_nothing() {
     let folder = folder("interrupted");
     // A goal that takes long to be found out of reach.
-    let goals = ["--norms", "--repetition-rise", "20mm", "--out", "new/grand.toml"];
+    let goals = ["--norms", "--repetition-rise", "20mm", "--out-file", "new/grand.toml"];
     // At once after the folder appears, and at later instants: while what is to be written is prepared too.
     for microseconds in [0, 0, 0, 0, 50, 100, 200, 500, 1000, 20_000] {
         let mut child = folder.command(&goals).stdout(std::process::Stdio::piped()).spawn().unwrap();
@@ -216,7 +216,7 @@ fn interrupted_it_leaves_nothing() {
 #[ignore = "ci: two regulations"]
 fn what_must_follow_is_said_and_follows() {
     let folder = folder("follow");
-    let output = folder.erard(&["concert-grand-rigid", "--let-off", "3mm", "--out", "alone.toml"]);
+    let output = folder.erard(&["concert-grand-rigid", "--let-off", "3mm", "--out-file", "alone.toml"]);
     assert_eq!(output.status.code(), Some(1));
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(
@@ -224,7 +224,7 @@ fn what_must_follow_is_said_and_follows() {
         "{message}"
     );
     assert!(message.contains(" turn"), "{message}");
-    let table = folder.good(&["concert-grand-rigid", "--let-off", "3mm", "--follow", "--out", "both.toml"]);
+    let table = folder.good(&["concert-grand-rigid", "--let-off", "3mm", "--follow", "--out-file", "both.toml"]);
     assert!(table.contains("turn"), "{table}");
     let report: Value = serde_json::from_str(&folder.read("both.json")).unwrap();
     assert_eq!(report["all_met"], true);
@@ -234,10 +234,10 @@ fn what_must_follow_is_said_and_follows() {
     assert!((after.let_off_m.unwrap() - 3e-3).abs() < 5e-5);
     assert!((after.drop_m.unwrap() - before.drop_m.unwrap()).abs() < 5e-5, "{after:?}");
     // Where the goal is met but something else has moved, it is said.
-    let table = folder.good(&["--dip", "9mm", "--out", "dip.toml"]);
+    let table = folder.good(&["--dip", "9mm", "--out-file", "dip.toml"]);
     assert!(table.contains("This moved") && table.contains("check from") && table.contains("--follow"), "{table}");
     // Inches where they are asked for; a screw's turns are its millimetres over its thread.
-    let table = folder.good(&["--drop", "2mm", "--inches", "--out", "drop.toml"]);
+    let table = folder.good(&["--drop", "2mm", "--inches", "--out-file", "drop.toml"]);
     assert!(table.contains("0.079 in") && !table.contains(" mm "), "{table}");
     let report: Value = serde_json::from_str(&folder.read("drop.json")).unwrap();
     let screw = &report["screws"][0];

@@ -61,7 +61,7 @@ fn what_is_scanned_is_what_live_reads() {
     same_as_parquet(&folder, "set/truth");
 
     let stream = "set/scan-12bit-1000hz-0.csv";
-    let live = ["live", stream, "--calibration", "set/profile-12bit.toml", "--out", "notes.csv"];
+    let live = ["live", stream, "--calibration", "set/profile-12bit.toml", "--out-file", "notes.csv"];
     let said = folder.good(&live);
     assert!(said.contains("2 note-ons, 2 note-offs"), "{said}");
     assert!(!folder.0.join("notes.parquet").exists(), "a file that the user has named is that file alone");

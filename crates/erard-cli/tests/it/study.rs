@@ -37,15 +37,15 @@ fn a_level_may_be_found_for_each() {
     let is_p = |speed: &f64| (speed / 0.79 - 1.0).abs() < 2e-3;
     assert!(speeds(&["--vary", "key=1,88"]).iter().all(is_p));
     let hammers = ["--vary", "body.hammer.mass=x0.9,x1.1"];
-    assert!(speeds(&[&hammers[..], &["--each"]].concat()).iter().all(is_p));
+    assert!(speeds(&[&hammers[..], &["--hand-per-variant"]].concat()).iter().all(is_p));
     let one_hand = speeds(&hammers);
     assert!(one_hand[0] > 1.02 * 0.79 && one_hand[1] < 0.98 * 0.79, "{one_hand:?}");
     let said = folder.bad(&["study"]);
     assert!(said.contains("nothing to vary") && said.contains("--sensitivities"), "{said}");
-    let said = folder.bad(&["study", "--each", "--force-step", "3", "--vary", "let_off=0"]);
-    assert!(said.contains("--each") && said.contains("--stroke"), "{said}");
-    let said = folder.bad(&["study", "--each", "--model", "one-dof", "--vary", "body.key.mass=x1"]);
-    assert!(said.contains("--each") && said.contains("--model one-dof"), "{said}");
+    let said = folder.bad(&["study", "--hand-per-variant", "--force-step", "3", "--vary", "let_off=0"]);
+    assert!(said.contains("--hand-per-variant") && said.contains("--stroke"), "{said}");
+    let said = folder.bad(&["study", "--hand-per-variant", "--model", "one-dof", "--vary", "body.key.mass=x1"]);
+    assert!(said.contains("--hand-per-variant") && said.contains("--model one-dof"), "{said}");
 }
 
 /// A row that is not printed is counted: a button so high that the hammer strikes again, a force that is too small.
@@ -223,13 +223,13 @@ fn wrong_studies() {
         (&["--vary", "let_off=0,1", "--duration", "-1"], "--duration"),
         (&["--vary", "let_off=0,1", "--dt", "1"], "--dt"),
         (&["--sensitivities", "--vary", "let_off=0,1"], "--vary"),
-        (&["--vary", "let_off=0,1", "--by", "let_off"], "--by"),
-        (&["--by", "let_off"], "--sensitivities"),
-        (&["--sensitivities", "--by", "let_of"], "let_off"),
-        (&["--sensitivities", "--by", "let_off,let_off"], "is given twice"),
-        (&["--sensitivities", "--by", "force"], "--force-step"),
-        (&["--sensitivities", "--of", "loudness"], "hammer_speed_m_per_s"),
-        (&["--sensitivities", "--of", "let_off_s,let_off_s"], "is given twice"),
+        (&["--vary", "let_off=0,1", "--parameters", "let_off"], "--parameters"),
+        (&["--parameters", "let_off"], "--sensitivities"),
+        (&["--sensitivities", "--parameters", "let_of"], "let_off"),
+        (&["--sensitivities", "--parameters", "let_off,let_off"], "is given twice"),
+        (&["--sensitivities", "--parameters", "force"], "--force-step"),
+        (&["--sensitivities", "--outcomes", "loudness"], "hammer_speed_m_per_s"),
+        (&["--sensitivities", "--outcomes", "let_off_s,let_off_s"], "is given twice"),
     ] {
         let said = folder.bad(arguments);
         assert!(said.contains(told), "{arguments:?}: {said}");
@@ -244,7 +244,7 @@ fn what_matters_is_told() {
         "hammer_speed_m_per_s,key_bottom_after_impact_s",
         "let_off,body.hammer.mass,zone.check.stiffness,force,zone.jack_knuckle.friction_coefficient",
     );
-    let mut arguments = vec!["study", "--sensitivities", "--of", of, "--by", by];
+    let mut arguments = vec!["study", "--sensitivities", "--outcomes", of, "--parameters", by];
     arguments.extend(["--force-step", "5", "--instrument", "concert-grand-rigid", "--duration", "0.2"]);
     let said = folder.good(&arguments);
     assert!(said.contains("hammer speed") && said.contains("switches of friction"), "{said}");

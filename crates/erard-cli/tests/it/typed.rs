@@ -96,7 +96,11 @@ fn what_may_mean_two_things_is_refused() {
         ("diagnose", &["--d", "50", "--u", "26", "--bw", "30"], "expected 38 g, which follows from these"),
         ("diagnose", &["--bw", "38", "--f", "20", "--d", "50"], "a friction weight F of 20 g beside"),
         ("diagnose", &["--f", "-2", "--bw", "38"], "a number from 0 to 100 g"),
-        ("keyboard", &["concert-grand", "--weigh", "x.csv", "--leads", "10mm"], "`mm` is not one of its units"),
+        (
+            "keyboard",
+            &["concert-grand", "--measured", "x.csv", "--lead-masses", "10mm"],
+            "`mm` is not one of its units",
+        ),
         ("draw", &["--at", "10 mm"], "milliseconds"),
         ("play", &["x.mid", "--from", "1 m"], "`m` is not one of its units"),
     ] {

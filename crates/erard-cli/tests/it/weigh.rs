@@ -1,4 +1,4 @@
-//! `erard keyboard --weigh` as a technician uses it: from a table of weights to a work list.
+//! `erard keyboard --measured` as a technician uses it: from a table of weights to a work list.
 
 use crate::common::Folder;
 use serde_json::Value;
@@ -49,7 +49,7 @@ fn a_work_list() {
     let folder = Folder::new("weigh");
     folder.file("piano.csv", &piano());
     let arguments =
-        ["keyboard", "--weigh", "piano.csv", "--target", "balance=38g", "--sample", "2", "--serial", "D 1234"];
+        ["keyboard", "--measured", "piano.csv", "--target", "balance=38g", "--checked-keys", "2", "--serial", "D 1234"];
     let said = folder.good(&[&arguments[..], &["--out", "work"]].concat());
     assert!(said.starts_with("piano.csv - 87 keys weighed"), "{said}");
     assert!(said.lines().all(|line| line.chars().count() <= 100), "{said}");
@@ -119,7 +119,7 @@ fn a_work_list() {
 fn friction_comes_first() {
     let folder = Folder::new("weigh-friction");
     folder.file("lone.csv", "key,DW,UW\nC4,58,18\n");
-    let said = folder.good(&["keyboard", "--weigh", "lone.csv", "--out", "work"]);
+    let said = folder.good(&["keyboard", "--measured", "lone.csv", "--out", "work"]);
     assert!(said.contains("20.0 !") && said.contains("ease 8 g") && said.contains("wait: first friction"), "{said}");
     let plan = read(&folder, "work/weigh.json");
     assert_eq!(plan["work"].as_array().unwrap().len(), 1);
@@ -138,7 +138,7 @@ fn the_list_carried_out_leaves_nothing_to_do() {
     let mut file = "piano.csv".to_owned();
     let mut lines = Vec::new();
     for pass in ["one", "two", "three"] {
-        folder.good(&["keyboard", "--weigh", &file, "--sample", "0", "--carry-out", "--out", pass]);
+        folder.good(&["keyboard", "--measured", &file, "--checked-keys", "0", "--simulate-work", "--out", pass]);
         let plan = read(&folder, &format!("{pass}/weigh.json"));
         let work = plan["work"].as_array().unwrap();
         lines.push(work.iter().map(|one| format!("{} {}", one["operation"], one["note"])).collect::<Vec<_>>());
@@ -164,8 +164,8 @@ fn the_list_carried_out_leaves_nothing_to_do() {
 fn a_target_inertia() {
     let folder = Folder::new("weigh-inertia");
     folder.file("piano.csv", &piano());
-    let arguments = ["keyboard", "--weigh", "piano.csv", "--target", "inertia=0.28kg", "--target", "balance=38g"];
-    folder.good(&[&arguments[..], &["--sample", "0", "--out", "work", "--paper", "letter", "--inches"]].concat());
+    let arguments = ["keyboard", "--measured", "piano.csv", "--target", "inertia=0.28kg", "--target", "balance=38g"];
+    folder.good(&[&arguments[..], &["--checked-keys", "0", "--out", "work", "--paper", "letter", "--inches"]].concat());
     let plan = read(&folder, "work/weigh.json");
     let mut reached = 0;
     for one in plan["keys"].as_array().unwrap().iter().filter(|one| one["from_curves"] == false) {
@@ -187,15 +187,15 @@ fn what_is_wrong_is_named() {
     folder.file("bad.csv", "key,SW\n1,heavy\n");
     folder.file("half.csv", "key,SW\n1,9\n");
     for (arguments, told) in [
-        (&["--weigh", "missing.csv"][..], "missing.csv"),
-        (&["--weigh", "bad.csv"], "bad.csv:2: column `sw`: `heavy`; expected a number from 1 to 30 g"),
-        (&["--weigh", "half.csv"], "expected --target balance=38g"),
-        (&["--weigh", "piano.csv", "--target", "balance=heavy"], "expected balance= and a number from 10 to 90 g"),
-        (&["--weigh", "piano.csv", "--target", "speed=3"], "balance=38g or inertia=0.25kg"),
-        (&["--weigh", "piano.csv", "--target", "balance=38", "--target", "balance=39"], "given twice"),
-        (&["--weigh", "piano.csv", "--leads", "0.1"], "masses from 1 to 50 g"),
-        (&["--target", "balance=38g"], "--weigh"),
-        (&["--weigh", "piano.csv", "--sections", "20,H9"], "a note from A0 to C8"),
+        (&["--measured", "missing.csv"][..], "missing.csv"),
+        (&["--measured", "bad.csv"], "bad.csv:2: column `sw`: `heavy`; expected a number from 1 to 30 g"),
+        (&["--measured", "half.csv"], "expected --target balance=38g"),
+        (&["--measured", "piano.csv", "--target", "balance=heavy"], "expected balance= and a number from 10 to 90 g"),
+        (&["--measured", "piano.csv", "--target", "speed=3"], "balance=38g or inertia=0.25kg"),
+        (&["--measured", "piano.csv", "--target", "balance=38", "--target", "balance=39"], "given twice"),
+        (&["--measured", "piano.csv", "--lead-masses", "0.1"], "masses from 1 to 50 g"),
+        (&["--target", "balance=38g"], "--measured"),
+        (&["--measured", "piano.csv", "--sections", "20,H9"], "a note from A0 to C8"),
     ] {
         let error = folder.bad(&[&["keyboard"][..], arguments].concat());
         assert!(error.contains(told), "{arguments:?}: {error}");

@@ -56,7 +56,7 @@ pub enum FitError {
     /// An argument is wrong.
     #[error("{argument}: {message}")]
     Argument {
-        /// Argument: `vary`, `bounds`, `start`, `columns`, `sigma`, `jacobian` or `recordings`.
+        /// Argument: `parameters`, `bounds`, `start`, `columns`, `sigma`, `jacobian` or `recordings`.
         argument: &'static str,
         /// Text with found and expected values.
         message: String,

@@ -127,12 +127,12 @@ pub fn fit_parameters(
             .find(|quantity| quantity.name == *name)
             .ok_or_else(|| unknown(&file.instrument, name, &known))?;
         if found.iter().any(|other| other.name == *name) {
-            return Err(FitError::argument("vary", format!("`{name}` is given twice; expected once")));
+            return Err(FitError::argument("parameters", format!("`{name}` is given twice; expected once")));
         }
         found.push(parameter(own, bounds)?);
     }
     if found.is_empty() {
-        return Err(FitError::argument("vary", "found none, expected one name or more, each once"));
+        return Err(FitError::argument("parameters", "found none, expected one name or more, each once"));
     }
     match bounds.iter().find(|(name, _)| !names.contains(name)) {
         Some((name, _)) => Err(FitError::argument("bounds", format!("{name} is not varied"))),
@@ -167,7 +167,7 @@ fn parameter(own: &Entry, bounds: &PerName<[f64; 2]>) -> Result<FitParameter, Fi
 
 fn unknown(instrument: &Instrument, name: &str, known: &[Entry]) -> FitError {
     if let Err(error @ NameError::Idle { .. }) = Parameter::named(instrument, name) {
-        return FitError::argument("vary", error.to_string());
+        return FitError::argument("parameters", error.to_string());
     }
     let is_number = known.iter().any(|one| one.path == name);
     let what = if is_number {
@@ -180,7 +180,7 @@ fn unknown(instrument: &Instrument, name: &str, known: &[Entry]) -> FitError {
         if is_number { String::new() } else { format!(" {} names", known.len()) },
         nearest(name, known.iter().map(|one| &one.name))
     );
-    FitError::argument("vary", message)
+    FitError::argument("parameters", message)
 }
 
 /// Returns the instrument with these turns and factors; `None` if it cannot have them.

@@ -39,7 +39,7 @@ pub struct FitResult {
     pub point: Vec<f64>,
     /// Reason why the solver ended, in words.
     pub message: String,
-    /// Values, as in `vary`: turns in m, rad or N m, factors of other parameters.
+    /// Values, as in `parameters`: turns in m, rad or N m, factors of other parameters.
     pub x: Vec<f64>,
     /// Standard deviations of `x`.
     pub std: Vec<f64>,

@@ -16,7 +16,7 @@ const SHORT: &[(&str, &[&str])] = &[
     ("press", &["--duration", "0.01"]),
     ("study", &["--vary", "let_off=0mm,0.1mm", "--duration", "0.005"]),
     ("keyboard", &["--every", "87"]),
-    ("fit", &["concert-grand-rigid", "in/good.csv", "--vary", "body.hammer.mass", "--restarts", "0"]),
+    ("fit", &["concert-grand-rigid", "in/good.csv", "--parameters", "body.hammer.mass", "--restarts", "0"]),
     ("compare", &["in/good.csv", "--no-pictures"]),
     ("regulate", &["in/good.toml", "--let-off", "2mm"]),
     ("check", &["in/good.toml"]),
