@@ -10,7 +10,7 @@ const rowsOf = (text) => {
   const [head, ...lines] = text.trim().split("\n");
   const titles = head.split(",");
   const angles = titles.map((title, column) => [title, column]).filter(([title]) => title.endsWith("_rad")).map(([, column]) => column);
-  const columns = [titles.indexOf("key_m"), titles.indexOf("hammer_head_m"), ...angles];
+  const columns = [titles.indexOf("key_m"), titles.indexOf("hammer_rise_m"), ...angles];
   return lines.map((line) => {
     const cells = line.split(",");
     return columns.map((column) => Number(cells[column]));

@@ -70,7 +70,7 @@ export const grasp = async ({ visit }) => {
   await atRest(page);
   const told = await page.innerText("#part dl");
   assert.match(told, /weight of the hammer\s+\d+\.\d g/);
-  const rise = await page.evaluate(() => (1e3 * studio.poses[0].hammer_m).toFixed(2));
+  const rise = await page.evaluate(() => (1e3 * studio.poses[0].hammer_rise_m).toFixed(2));
   assert(told.includes(`${rise} mm`), told);
   assert.match(told, /hammer tail – back check\s+\d+\.\d\d N/);
   return `${parts.length} parts, ${dials.length} dials`;

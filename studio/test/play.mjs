@@ -12,7 +12,7 @@ export const mouse = async ({ visit }) => {
   await until(page, () => studio.poses[0].key_m > 0.008);
   // A held note is still: the clock stops, the finger still presses.
   await atRest(page);
-  assert((await page.evaluate(() => studio.poses[0].finger_n)) > 1, "the finger presses on");
+  assert((await page.evaluate(() => studio.poses[0].finger_force_n)) > 1, "the finger presses on");
   await page.mouse.up();
   await until(page, () => studio.poses[0].key_m < 2e-4);
   const text = await page.textContent("#numbers");
@@ -76,13 +76,13 @@ export const imposed = async ({ visit }) => {
     await page.evaluate((down) => studio.press(down), down);
     await until(page, (down) => Math.abs(studio.poses[0].key_m - down) < 2e-6, down);
   }
-  assert((await page.evaluate(() => studio.poses[0].finger_n)) > 0.1, "the force that holds the key");
+  assert((await page.evaluate(() => studio.poses[0].finger_force_n)) > 0.1, "the force that holds the key");
   await page.evaluate(() => studio.press(null));
   await until(page, () => studio.poses[0].key_m < 2e-4);
   // From where the key is, not from where the last motion ended; no deeper than a finger goes.
   await page.evaluate(() => studio.press(0.03));
   await until(page, () => Math.abs(studio.poses[0].key_m - 0.0102) < 2e-6);
-  return `${(await page.evaluate(() => studio.poses[0].finger_n)).toFixed(1)} N at the bottom`;
+  return `${(await page.evaluate(() => studio.poses[0].finger_force_n)).toFixed(1)} N at the bottom`;
 };
 
 export const replay = async ({ visit }) => {
@@ -95,7 +95,7 @@ export const replay = async ({ visit }) => {
   // At the impact the hammer is at the string, and presses on it.
   await page.evaluate(() => studio.seek(studio.events[0].hammer_contact_s + 3e-4));
   await until(page, () => studio.poses[0].string_n > 5);
-  const there = await page.evaluate(() => studio.poses[0].hammer_m);
+  const there = await page.evaluate(() => studio.poses[0].hammer_rise_m);
   assert(there > 0.045, `the hammer has risen by ${there} m`);
   // A thousand times slower: a millisecond a second.
   await page.selectOption("#speed", "0.001");

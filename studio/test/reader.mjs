@@ -83,7 +83,7 @@ export const keys = async ({ read }) => {
   await grip("erard");
   await until(page, () => story.active === "erard" && document.querySelector("[data-scene=erard]").dataset.live === "true");
   await page.keyboard.press("End");
-  await until(page, () => story.figures.erard.now.press.presses === 1 && story.figures.erard.now.pose.hammer_m < 0.04);
+  await until(page, () => story.figures.erard.now.press.presses === 1 && story.figures.erard.now.pose.hammer_rise_m < 0.04);
   for (let n = 0; n < 2; n++) await page.keyboard.press("PageUp");
   await until(page, () => story.figures.erard.now.pose.key_m < 7e-3, undefined, 60_000);
   await page.waitForTimeout(700);

@@ -12,7 +12,7 @@ export const to = async (page, id) => {
 };
 const now = (page, id) => page.evaluate((id) => {
   const { now, done, slowest } = story.figures[id];
-  return { ...now?.press, up_mm: now?.press.up_mm, key_mm: 1e3 * (now?.pose.key_m ?? 0), hammer_mm: 1e3 * (now?.pose.hammer_m ?? 0), swing: now?.pose.swing_m, events: now?.events, resting: now?.resting, done, slowest };
+  return { ...now?.press, up_mm: now?.press.up_mm, key_mm: 1e3 * (now?.pose.key_m ?? 0), hammer_mm: 1e3 * (now?.pose.hammer_rise_m ?? 0), swing: now?.pose.swing_m, events: now?.events, resting: now?.resting, done, slowest };
 }, id);
 const rest = (page, id) => until(page, (id) => story.figures[id].now?.pose.key_m < 2e-4 && story.figures[id].now.resting, id, 60_000);
 export const done = (page, id) => until(page, (id) => story.figures[id].done, id, 30_000).catch(async () => {

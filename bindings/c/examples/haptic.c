@@ -37,7 +37,7 @@ int main(void) {
             v += (6.0 - motor_n - friction_n_s_per_m * v) / mass_kg * period_s / 20;
             x += v * period_s / 20;
         }
-        motor_n = reading.finger_mean_n;
+        motor_n = reading.finger_force_mean_n;
         if (motor_n > largest_n) largest_n = motor_n;
         if (x > largest_m) largest_m = x;
     }

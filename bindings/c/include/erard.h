@@ -242,20 +242,20 @@ typedef struct ErardReading {
   /**
    * Force of the finger on the key in the last step, N, down positive: the force that a haptic key renders.
    */
-  double finger_n;
+  double finger_force_n;
   /**
    * Mean finger force over all steps of the call that made this reading, N: for a device that is slower than the
    * steps.
    */
-  double finger_mean_n;
+  double finger_force_mean_n;
   /**
    * Rise of the hammer's strike point, m, up positive.
    */
-  double hammer_m;
+  double hammer_rise_m;
   /**
    * Upward velocity of the hammer's strike point, m/s.
    */
-  double hammer_m_per_s;
+  double hammer_rise_m_per_s;
   /**
    * Force between hammer and string, N, never negative.
    */
@@ -475,7 +475,7 @@ ErardStatus erard_action_step_force(struct ErardAction *action, double force_n, 
 
 /**
  * Takes one step under a device that is `position_m` below the key's rest and moves at `velocity_m_per_s`, down
- * positive, both in the middle of the step (impedance: position in, force out, as finger_n of the reading). The
+ * positive, both in the middle of the step (impedance: position in, force out, as finger_force_n of the reading). The
  * fingertip of the instrument's file couples device and key: a spring and a damper that only push (virtual coupling).
  * `reading` may be NULL. An error leaves the action as it was. Real time: yes.
  */
@@ -516,11 +516,11 @@ ErardStatus erard_action_step_input(struct ErardAction *action,
 ErardStatus erard_action_place_hand(struct ErardAction *action, double position_m, double velocity_m_per_s);
 
 /**
- * Takes as many steps as fit into `dt_s` (s, 0 to ERARD_MAX_ADVANCE_S), for a device that is slower than the
- * steps. The remaining time is added to the next call, so periods of any length do not drift. The input is that at the
- * beginning of `dt_s`: a force is held, a position continues at its velocity. Render finger_mean_n of the reading:
- * held over `dt_s`, it has the same impulse as the steps. If a step fails, the action is left as it was before the
- * call. Real time: yes; the call takes as long as its steps.
+ * Takes as many steps as fit into `dt_s` (s, 0 to ERARD_MAX_ADVANCE_S), for a device that is slower than the steps.
+ * The remaining time is added to the next call, so periods of any length do not drift. The input is that at the
+ * beginning of `dt_s`: a force is held, a position continues at its velocity. Render finger_force_mean_n of the
+ * reading: held over `dt_s`, it has the same impulse as the steps. If a step fails, the action is left as it was
+ * before the call. Real time: yes; the call takes as long as its steps.
  */
 ErardStatus erard_action_advance(struct ErardAction *action,
                                  double dt_s,
@@ -612,10 +612,10 @@ const char *erard_action_zone_name(const struct ErardAction *action, size_t zone
 ErardStatus erard_action_angles(const struct ErardAction *action, double *angles_rad, size_t count);
 
 /**
- * Writes the absolute angular velocities of all bodies, rad/s, to `velocities_rad_s`. Sign and `count` are as for
+ * Writes the absolute angular velocities of all bodies, rad/s, to `velocities_rad_per_s`. Sign and `count` are as for
  * erard_action_angles. Real time: yes.
  */
-ErardStatus erard_action_velocities(const struct ErardAction *action, double *velocities_rad_s, size_t count);
+ErardStatus erard_action_velocities(const struct ErardAction *action, double *velocities_rad_per_s, size_t count);
 
 /**
  * Writes the normal forces of all contact zones in the last step, N, never negative, to `forces_n`. `count` is the
@@ -700,8 +700,8 @@ ErardStatus erard_keyboard_step(struct ErardKeyboard *keyboard,
                                 size_t *count);
 
 /**
- * Writes the reading of a key after the last step to `reading`; `key` counts from 1. finger_mean_n is the force of the
- * last step; new_impact_count is 0. Real time: yes.
+ * Writes the reading of a key after the last step to `reading`; `key` counts from 1. finger_force_mean_n is the force
+ * of the last step; new_impact_count is 0. Real time: yes.
  */
 ErardStatus erard_keyboard_read(const struct ErardKeyboard *keyboard, uint32_t key, struct ErardReading *reading);
 

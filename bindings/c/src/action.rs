@@ -132,7 +132,7 @@ pub unsafe extern "C" fn erard_action_step_force(
 }
 
 /// Takes one step under a device that is `position_m` below the key's rest and moves at `velocity_m_per_s`, down
-/// positive, both in the middle of the step (impedance: position in, force out, as finger_n of the reading). The
+/// positive, both in the middle of the step (impedance: position in, force out, as finger_force_n of the reading). The
 /// fingertip of the instrument's file couples device and key: a spring and a damper that only push (virtual coupling).
 /// `reading` may be NULL. An error leaves the action as it was. Real time: yes.
 #[unsafe(no_mangle)]
@@ -221,11 +221,11 @@ pub unsafe extern "C" fn erard_action_place_hand(
     })
 }
 
-/// Takes as many steps as fit into `dt_s` (s, 0 to ERARD_MAX_ADVANCE_S), for a device that is slower than the
-/// steps. The remaining time is added to the next call, so periods of any length do not drift. The input is that at the
-/// beginning of `dt_s`: a force is held, a position continues at its velocity. Render finger_mean_n of the reading:
-/// held over `dt_s`, it has the same impulse as the steps. If a step fails, the action is left as it was before the
-/// call. Real time: yes; the call takes as long as its steps.
+/// Takes as many steps as fit into `dt_s` (s, 0 to ERARD_MAX_ADVANCE_S), for a device that is slower than the steps.
+/// The remaining time is added to the next call, so periods of any length do not drift. The input is that at the
+/// beginning of `dt_s`: a force is held, a position continues at its velocity. Render finger_force_mean_n of the
+/// reading: held over `dt_s`, it has the same impulse as the steps. If a step fails, the action is left as it was
+/// before the call. Real time: yes; the call takes as long as its steps.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_action_advance(
     action: *mut ErardAction,
@@ -478,20 +478,20 @@ pub unsafe extern "C" fn erard_action_angles(
     unsafe { fill(action, angles_rad, count, |action| action.bodies.len(), write) }
 }
 
-/// Writes the absolute angular velocities of all bodies, rad/s, to `velocities_rad_s`. Sign and `count` are as for
+/// Writes the absolute angular velocities of all bodies, rad/s, to `velocities_rad_per_s`. Sign and `count` are as for
 /// erard_action_angles. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_action_velocities(
     action: *const ErardAction,
-    velocities_rad_s: *mut f64,
+    velocities_rad_per_s: *mut f64,
     count: usize,
 ) -> ErardStatus {
     let write = |action: &ErardAction, out: &mut [f64]| {
         out.iter_mut().zip(action.play.action.velocities()).for_each(|(place, rate)| *place = *rate);
     };
-    // SAFETY: `action` is NULL, or an action that is not freed and that no call changes; `velocities_rad_s` is NULL, or
-    // aligned room for `count` numbers.
-    unsafe { fill(action, velocities_rad_s, count, |action| action.bodies.len(), write) }
+    // SAFETY: `action` is NULL, or an action that is not freed and that no call changes; `velocities_rad_per_s` is
+    // NULL, or aligned room for `count` numbers.
+    unsafe { fill(action, velocities_rad_per_s, count, |action| action.bodies.len(), write) }
 }
 
 /// Writes the normal forces of all contact zones in the last step, N, never negative, to `forces_n`. `count` is the

@@ -269,7 +269,7 @@ fn described(file: &InstrumentFile) -> Value {
         "key": i.key(),
         "sample": i.sample(),
         "description": file.description,
-        "gravity_m_s2": i.gravity_m_s2,
+        "gravity_m_s2": i.gravity_m_per_s2,
         "bodies": bodies.collect::<Vec<_>>(),
         "zones": zones.collect::<Vec<_>>(),
         "screws": screws.collect::<Vec<_>>(),

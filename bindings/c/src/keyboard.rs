@@ -158,10 +158,10 @@ impl ErardKeyboard {
             time_s: self.keys.time_s() + self.offset_s,
             key_m: now.key_m,
             key_m_per_s: now.key_m_per_s,
-            finger_n: now.finger_n,
-            finger_mean_n: now.finger_n,
-            hammer_m: now.hammer_m,
-            hammer_m_per_s: now.hammer_m_per_s,
+            finger_force_n: now.finger_force_n,
+            finger_force_mean_n: now.finger_force_n,
+            hammer_rise_m: now.hammer_rise_m,
+            hammer_rise_m_per_s: now.hammer_rise_m_per_s,
             string_n: now.string_n,
             hand_m: now.hand_m,
             hand_m_per_s: now.hand_m_per_s,
@@ -360,8 +360,8 @@ pub unsafe extern "C" fn erard_keyboard_step(
     })
 }
 
-/// Writes the reading of a key after the last step to `reading`; `key` counts from 1. finger_mean_n is the force of the
-/// last step; new_impact_count is 0. Real time: yes.
+/// Writes the reading of a key after the last step to `reading`; `key` counts from 1. finger_force_mean_n is the force
+/// of the last step; new_impact_count is 0. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_keyboard_read(
     keyboard: *const ErardKeyboard,

@@ -41,8 +41,8 @@ impl Play {
             time_s: self.action.time_s(),
             key_m: now.key_m,
             key_m_per_s: now.key_m_per_s,
-            hammer_m: now.hammer_m,
-            hammer_m_per_s: now.hammer_m_per_s,
+            hammer_rise_m: now.hammer_rise_m,
+            hammer_rise_m_per_s: now.hammer_rise_m_per_s,
             hand_m: now.hand_m,
             hand_m_per_s: now.hand_m_per_s,
             ..self.reading
@@ -67,7 +67,7 @@ impl Play {
         self.under_way = false;
         if status as i32 >= 0 {
             self.reading.new_impact_count = self.reading.impact_count.wrapping_sub(before);
-            self.reading.finger_mean_n = self.reading.finger_n;
+            self.reading.finger_force_mean_n = self.reading.finger_force_n;
         }
         status
     }
@@ -112,12 +112,12 @@ impl Play {
             if one == ErardStatus::IterationLimit {
                 status = one;
             }
-            sum += self.reading.finger_n;
+            sum += self.reading.finger_force_n;
             impacts += u32::from(self.action.impact().is_some());
         }
         self.under_way = false;
         self.owed_s = (owed_s - steps as f64 * h).max(0.0);
-        self.reading.finger_mean_n = sum / steps as f64;
+        self.reading.finger_force_mean_n = sum / steps as f64;
         self.reading.new_impact_count = impacts;
         status
     }
@@ -140,8 +140,8 @@ impl Play {
         }
         reading.time_s = self.action.time_s();
         (reading.key_m, reading.key_m_per_s) = (now.key_m, now.key_m_per_s);
-        (reading.hammer_m, reading.hammer_m_per_s) = (now.hammer_m, now.hammer_m_per_s);
-        (reading.finger_n, reading.string_n) = (now.finger_n, now.string_n);
+        (reading.hammer_rise_m, reading.hammer_rise_m_per_s) = (now.hammer_rise_m, now.hammer_rise_m_per_s);
+        (reading.finger_force_n, reading.string_n) = (now.finger_force_n, now.string_n);
         (reading.hand_m, reading.hand_m_per_s) = (now.hand_m, now.hand_m_per_s);
         status
     }
@@ -241,10 +241,10 @@ fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str
         time_s,
         key_m,
         key_m_per_s,
-        finger_n,
-        finger_mean_n,
-        hammer_m,
-        hammer_m_per_s,
+        finger_force_n,
+        finger_force_mean_n,
+        hammer_rise_m,
+        hammer_rise_m_per_s,
         string_n,
         hand_m,
         hand_m_per_s,
@@ -256,10 +256,10 @@ fn reading_lists(reading: &mut ErardReading, number: &mut dyn FnMut(&'static str
     number("read_time_s", time_s);
     number("read_key_m", key_m);
     number("read_key_m_per_s", key_m_per_s);
-    number("read_finger_N", finger_n);
-    number("read_finger_mean_N", finger_mean_n);
-    number("read_hammer_m", hammer_m);
-    number("read_hammer_m_per_s", hammer_m_per_s);
+    number("read_finger_N", finger_force_n);
+    number("read_finger_mean_N", finger_force_mean_n);
+    number("read_hammer_m", hammer_rise_m);
+    number("read_hammer_m_per_s", hammer_rise_m_per_s);
     number("read_string_N", string_n);
     number("read_hand_m", hand_m);
     number("read_hand_m_per_s", hand_m_per_s);

@@ -151,14 +151,14 @@ pub struct ErardReading {
     /// Velocity of the key front, m/s, down positive.
     pub key_m_per_s: f64,
     /// Force of the finger on the key in the last step, N, down positive: the force that a haptic key renders.
-    pub finger_n: f64,
+    pub finger_force_n: f64,
     /// Mean finger force over all steps of the call that made this reading, N: for a device that is slower than the
     /// steps.
-    pub finger_mean_n: f64,
+    pub finger_force_mean_n: f64,
     /// Rise of the hammer's strike point, m, up positive.
-    pub hammer_m: f64,
+    pub hammer_rise_m: f64,
     /// Upward velocity of the hammer's strike point, m/s.
-    pub hammer_m_per_s: f64,
+    pub hammer_rise_m_per_s: f64,
     /// Force between hammer and string, N, never negative.
     pub string_n: f64,
     /// Instant of the last impact of the hammer on its string, s; 0 before the first.
@@ -184,10 +184,10 @@ impl Default for ErardReading {
             time_s: 0.0,
             key_m: 0.0,
             key_m_per_s: 0.0,
-            finger_n: 0.0,
-            finger_mean_n: 0.0,
-            hammer_m: 0.0,
-            hammer_m_per_s: 0.0,
+            finger_force_n: 0.0,
+            finger_force_mean_n: 0.0,
+            hammer_rise_m: 0.0,
+            hammer_rise_m_per_s: 0.0,
             string_n: 0.0,
             impact_time_s: 0.0,
             hammer_speed_m_per_s: 0.0,

@@ -87,7 +87,7 @@ impl<T: Scalar> Grand<T> {
     }
 
     /// Force of the finger in the last step, N.
-    pub fn finger_n(&self) -> T {
+    pub fn finger_force_n(&self) -> T {
         self.workspace.drive_force()
     }
 
@@ -97,7 +97,7 @@ impl<T: Scalar> Grand<T> {
     }
 
     /// Angular velocity of the hammer, rad/s.
-    pub fn hammer_rad_s(&self) -> T {
+    pub fn hammer_rad_per_s(&self) -> T {
         self.state.velocity[grand::HAMMER]
     }
 }

@@ -20,7 +20,7 @@ pub struct Note {
     /// Of all angles and of the hand's place at the end, as doubles.
     pub digest: u64,
     /// The hammer's fastest upward turning, rad/s.
-    pub fastest_rad_s: f64,
+    pub fastest_rad_per_s: f64,
 }
 
 /// Work of a step, for callers that count.
@@ -47,9 +47,9 @@ pub fn play<T: Scalar>(grand: &mut Grand<T>, each: &mut dyn FnMut(&mut dyn FnMut
             };
             Work { step: n, newton: report.newton, solver: report.solver }
         });
-        fastest = fastest.max(grand.hammer_rad_s().to_f64());
+        fastest = fastest.max(grand.hammer_rad_per_s().to_f64());
     }
-    Note { digest: digest(grand), fastest_rad_s: fastest }
+    Note { digest: digest(grand), fastest_rad_per_s: fastest }
 }
 
 /// FNV-1a over the bits of all angles and of the hand's place, as doubles.

@@ -29,7 +29,7 @@ TRUTHS = {
     "let_off": 4e-4,
 }
 STROKES = (("p", "pressed"), ("mf", "pressed"), ("f", "pressed"), ("mf", "struck"))
-NOISE = {"force_N": 0.02, "key_m": 10e-6, "hammer_head_m": 50e-6}
+NOISE = {"force_N": 0.02, "key_m": 10e-6, "hammer_rise_m": 50e-6}
 BOUNDS = {"let_off": ("-1 mm", "+1 mm")}
 
 

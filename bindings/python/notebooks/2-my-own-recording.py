@@ -55,7 +55,7 @@ errors
 
 # %%
 run = grand.press(stroke=mine)
-run.plot("force_N", "key_m", "hammer_head_m")
+run.plot("force_N", "key_m", "hammer_rise_m")
 for name, one in (("recorded", played), ("model", run)):
     up_to = one["time_s"] <= one.events["hammer_contact"]
     work = np.trapezoid(one["force_N"][up_to], one["key_m"][up_to])

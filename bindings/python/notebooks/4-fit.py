@@ -18,12 +18,12 @@ import erard
 
 grand = erard.load("concert-grand-rigid")
 truth = {"body.hammer.mass": 1.06, "zone.capstan_heel.stiffness": 1.3, "body.key.friction": 0.8}
-noise = {"force_N": 0.02, "key_m": 1e-5, "hammer_head_m": 5e-5}
+noise = {"force_N": 0.02, "key_m": 1e-5, "hammer_rise_m": 5e-5}
 rng = np.random.default_rng(1)
 recordings = []
 for nuance in ("mf", "f"):
     run = grand.vary({name: f"x{factor}" for name, factor in truth.items()}).press(stroke=nuance, duration=0.1)
-    rows = {name: run[name][::10] for name in ("time_s", "force_N", "key_m", "hammer_head_m")}
+    rows = {name: run[name][::10] for name in ("time_s", "force_N", "key_m", "hammer_rise_m")}
     for name, sigma in noise.items():
         rows[name] = rows[name] + sigma * rng.standard_normal(len(rows[name]))
     recordings.append(rows)

@@ -31,9 +31,9 @@ pub(crate) struct Reading {
     time_s: f64,
     key_m: f64,
     key_m_per_s: f64,
-    finger_n: f64,
-    hammer_m: f64,
-    hammer_m_per_s: f64,
+    finger_force_n: f64,
+    hammer_rise_m: f64,
+    hammer_rise_m_per_s: f64,
     string_n: f64,
     hand_m: f64,
     hand_m_per_s: f64,
@@ -54,9 +54,9 @@ impl Reading {
         time_s: f64,
         key_m: f64,
         key_m_per_s: f64,
-        finger_n: f64,
-        hammer_m: f64,
-        hammer_m_per_s: f64,
+        finger_force_n: f64,
+        hammer_rise_m: f64,
+        hammer_rise_m_per_s: f64,
         string_n: f64,
         hand_m: f64,
         hand_m_per_s: f64,
@@ -68,9 +68,9 @@ impl Reading {
             time_s,
             key_m,
             key_m_per_s,
-            finger_n,
-            hammer_m,
-            hammer_m_per_s,
+            finger_force_n,
+            hammer_rise_m,
+            hammer_rise_m_per_s,
             string_n,
             hand_m,
             hand_m_per_s,
@@ -82,15 +82,16 @@ impl Reading {
 
     /// Arguments of the constructor, for pickling.
     fn __getnewargs__(&self) -> Parts {
-        let Self { time_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, .. } = *self;
+        let Self { time_s, key_m, key_m_per_s, finger_force_n, hammer_rise_m, hammer_rise_m_per_s, string_n, .. } =
+            *self;
         let Self { hand_m, hand_m_per_s, bridge_n, converged, impact, .. } = *self;
         (
             time_s,
             key_m,
             key_m_per_s,
-            finger_n,
-            hammer_m,
-            hammer_m_per_s,
+            finger_force_n,
+            hammer_rise_m,
+            hammer_rise_m_per_s,
             string_n,
             hand_m,
             hand_m_per_s,
@@ -102,8 +103,8 @@ impl Reading {
 
     fn __repr__(&self) -> String {
         format!(
-            "Reading(time_s={:.6}, key_m={:.6}, finger_n={:.3}, hammer_m={:.6}, hammer_m_per_s={:.4})",
-            self.time_s, self.key_m, self.finger_n, self.hammer_m, self.hammer_m_per_s
+            "Reading(time_s={:.6}, key_m={:.6}, finger_force_n={:.3}, hammer_rise_m={:.6}, hammer_rise_m_per_s={:.4})",
+            self.time_s, self.key_m, self.finger_force_n, self.hammer_rise_m, self.hammer_rise_m_per_s
         )
     }
 }
@@ -115,9 +116,9 @@ impl Reading {
             time_s,
             key_m: now.key_m,
             key_m_per_s: now.key_m_per_s,
-            finger_n: now.finger_n,
-            hammer_m: now.hammer_m,
-            hammer_m_per_s: now.hammer_m_per_s,
+            finger_force_n: now.finger_force_n,
+            hammer_rise_m: now.hammer_rise_m,
+            hammer_rise_m_per_s: now.hammer_rise_m_per_s,
             string_n: now.string_n,
             hand_m: now.hand_m,
             hand_m_per_s: now.hand_m_per_s,
@@ -222,14 +223,14 @@ impl Action {
                 let mut player = self.player.lock().unwrap_or_else(PoisonError::into_inner);
                 for input in inputs {
                     let now = player.step(input);
-                    let row = [player.time_s(), now.key_m, now.hammer_m, now.hammer_m_per_s, now.string_n];
+                    let row = [player.time_s(), now.key_m, now.hammer_rise_m, now.hammer_rise_m_per_s, now.string_n];
                     columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
                 }
             });
         }
         let all = PyDict::new(py);
         for (name, values) in
-            ["time_s", "key_m", "hammer_head_m", "hammer_head_m_per_s", "string_N"].into_iter().zip(columns)
+            ["time_s", "key_m", "hammer_rise_m", "hammer_rise_m_per_s", "string_N"].into_iter().zip(columns)
         {
             all.set_item(name, array(py, values))?;
         }

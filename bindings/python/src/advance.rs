@@ -15,16 +15,16 @@ use crate::action::{Action, driven, input};
 use crate::fault::{self, wrong, wrong_argument};
 use crate::watch::watched;
 
-/// Columns of results after some steps. `finger_mean_n` is the mean over the steps; `impact_time_s` and
+/// Columns of results after some steps. `finger_force_mean_n` is the mean over the steps; `impact_time_s` and
 /// `hammer_speed_m_per_s` belong to the last impact, nan without one.
 const COLUMNS: [&str; 15] = [
     "time_s",
     "key_m",
     "key_m_per_s",
-    "finger_n",
-    "finger_mean_n",
-    "hammer_m",
-    "hammer_m_per_s",
+    "finger_force_n",
+    "finger_force_mean_n",
+    "hammer_rise_m",
+    "hammer_rise_m_per_s",
     "string_n",
     "bridge_n",
     "hand_m",
@@ -103,22 +103,22 @@ impl Action {
                 failed = 1.0;
                 break;
             }
-            sum_n += now.finger_n;
+            sum_n += now.finger_force_n;
             if let Some(impact) = player.impact() {
                 impacts += 1.0;
                 last = [impact.time_s, impact.hammer_speed_m_per_s];
             }
         }
         let now = player.reading();
-        let mean_n = if steps == 0 { now.finger_n } else { sum_n / steps as f64 };
+        let mean_n = if steps == 0 { now.finger_force_n } else { sum_n / steps as f64 };
         [
             player.time_s(),
             now.key_m,
             now.key_m_per_s,
-            now.finger_n,
+            now.finger_force_n,
             mean_n,
-            now.hammer_m,
-            now.hammer_m_per_s,
+            now.hammer_rise_m,
+            now.hammer_rise_m_per_s,
             now.string_n,
             player.strings().map_or(0.0, Strings::bridge_n),
             now.hand_m,

@@ -80,8 +80,8 @@ pub(crate) fn compare<'py>(
         }
         columns.set_item(format!("{stem}_force_N"), array(py, trial.force_n.clone()))?;
         columns.set_item(format!("{stem}_key_m"), array(py, trial.key_m.clone()))?;
-        if !trial.hammer_m.is_empty() {
-            columns.set_item(format!("{stem}_hammer_head_m"), array(py, trial.hammer_m.clone()))?;
+        if !trial.hammer_rise_m.is_empty() {
+            columns.set_item(format!("{stem}_hammer_rise_m"), array(py, trial.hammer_rise_m.clone()))?;
         }
     }
     let all = PyDict::new(py);
@@ -89,7 +89,7 @@ pub(crate) fn compare<'py>(
     let measured = [
         ("measured_force_N", comparison.measured_force_n),
         ("measured_position_m", comparison.measured_position_m),
-        ("measured_hammer_head_m", comparison.measured_hammer_m),
+        ("measured_hammer_rise_m", comparison.measured_hammer_rise_m),
     ];
     for (name, values) in measured {
         if let Some(values) = values {

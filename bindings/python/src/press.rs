@@ -99,7 +99,7 @@ pub(crate) fn press<'py>(
         about.set_item("losses", rows.collect::<PyResult<Vec<_>>>()?)?;
     }
     for pin in inside.reactions.map(ReactionRecorder::into_series).unwrap_or_default() {
-        columns.set_item(format!("{}_rad_per_s2", pin.name), array(py, pin.acceleration_rad_s2))?;
+        columns.set_item(format!("{}_rad_per_s2", pin.name), array(py, pin.acceleration_rad_per_s2))?;
         columns.set_item(format!("{}_pin_x_N", pin.name), array(py, pin.pin_x_n))?;
         columns.set_item(format!("{}_pin_y_N", pin.name), array(py, pin.pin_y_n))?;
     }
@@ -132,7 +132,7 @@ fn parts<'py>(py: Python<'py>, run: Run) -> PyResult<(Bound<'py, PyDict>, Bound<
         let tangential = zone.has_friction.then_some(zone.tangential_n);
         std::iter::once(zone.normal_n).chain(tangential)
     });
-    let values = [run.time_s, run.force_n, run.key_m, run.hammer_head_m, run.hammer_head_m_per_s]
+    let values = [run.time_s, run.force_n, run.key_m, run.hammer_rise_m, run.hammer_rise_m_per_s]
         .into_iter()
         .chain(bodies)
         .chain(zones);
@@ -196,8 +196,8 @@ pub(crate) fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, tit
         time_s: column("time_s")?,
         force_n: column("force_N")?,
         key_m: column("key_m")?,
-        hammer_head_m: column("hammer_head_m")?,
-        hammer_head_m_per_s: column("hammer_head_m_per_s")?,
+        hammer_rise_m: column("hammer_rise_m")?,
+        hammer_rise_m_per_s: column("hammer_rise_m_per_s")?,
         bodies: bodies
             .into_iter()
             .map(|name| {

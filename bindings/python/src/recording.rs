@@ -85,8 +85,8 @@ impl Recording {
         let values: Option<Vec<f64>> = match name {
             "force_N" => force.as_ref().map(|s| times.iter().map(|t| s.at(*t, &mut cursor)).collect()),
             "key_m" => position.as_ref().map(|s| times.iter().map(|t| s.at(*t, &mut cursor).0).collect()),
-            "hammer_head_m" => hammer_head.as_ref().map(|s| times.iter().map(|t| s.at(*t, &mut cursor).0).collect()),
-            "hammer_head_m_per_s" => {
+            "hammer_rise_m" => hammer_head.as_ref().map(|s| times.iter().map(|t| s.at(*t, &mut cursor).0).collect()),
+            "hammer_rise_m_per_s" => {
                 hammer_speed.as_ref().map(|s| times.iter().map(|t| s.at(*t, &mut cursor)).collect())
             }
             _ => None,
@@ -128,8 +128,8 @@ fn column(role: Role) -> &'static str {
         Role::Time => "time_s",
         Role::Force => "force_N",
         Role::Position => "key_m",
-        Role::HammerHead => "hammer_head_m",
-        Role::HammerSpeed => "hammer_head_m_per_s",
+        Role::HammerHead => "hammer_rise_m",
+        Role::HammerSpeed => "hammer_rise_m_per_s",
     }
 }
 

@@ -11,7 +11,7 @@ import pytest
 
 RECORDINGS = Path(__file__).parents[3] / "recordings"
 VARY = ["body.hammer.mass", "body.key_back.friction", "zone.capstan_heel.stiffness", "let_off"]
-SIGMA = {"force_N": 0.02, "key_m": 1e-5, "hammer_head_m": 5e-5}
+SIGMA = {"force_N": 0.02, "key_m": 1e-5, "hammer_rise_m": 5e-5}
 
 
 def command() -> str:

@@ -40,8 +40,8 @@ def test_the_bits_are_an_actions(grand: erard.Instrument, hand: erard.Hand | Non
     for force in ASKED["force"]:
         seen, reward, ended, _, info = env.step([force])
         readings = [action.step(force=force) for _ in range(20)]
-        now, mean = readings[-1], sum(one.finger_n for one in readings) / 20
-        expected = [now.key_m, now.key_m_per_s, mean, now.hammer_m, now.hammer_m_per_s, now.hand_m]
+        now, mean = readings[-1], sum(one.finger_force_n for one in readings) / 20
+        expected = [now.key_m, now.key_m_per_s, mean, now.hammer_rise_m, now.hammer_rise_m_per_s, now.hand_m]
         assert seen[:6].tolist() == expected
         assert env.save()["state"] == action.save()
         for impact in (one.impact for one in readings if one.impact):
@@ -113,7 +113,7 @@ def test_an_episode_begins_where_it_is_asked_to(grand: erard.Instrument) -> None
     """A checked hammer, a reward of one's own, one key of a keyboard."""
     action = erard.Action(grand)
     action.play(np.full(4000, 6.0))
-    env = KeyEnv(grand, begin=action.save(), reward=lambda now, goal: -now["finger_mean_n"], duration_s=0.05)
+    env = KeyEnv(grand, begin=action.save(), reward=lambda now, goal: -now["finger_force_mean_n"], duration_s=0.05)
     seen, _ = env.reset(seed=1)
     assert seen[0] == action.reading.key_m > 8e-3 and seen[7] == 0.0
     found = [env.step([0.0]) for _ in range(50)]

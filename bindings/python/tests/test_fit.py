@@ -7,7 +7,7 @@ import erard
 import numpy as np
 import pytest
 
-NOISE = {"key_m": 1e-5, "hammer_head_m": 5e-5}
+NOISE = {"key_m": 1e-5, "hammer_rise_m": 5e-5}
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ def rigid() -> erard.Instrument:
 
 @pytest.fixture(scope="module")
 def found(rigid: erard.Instrument) -> erard.Gradient:
-    return erard.gradient(rigid, NAMES, force=5.0, columns=["key_m", "hammer_head_m"], duration=0.12, unconverged="nan")
+    return erard.gradient(rigid, NAMES, force=5.0, columns=["key_m", "hammer_rise_m"], duration=0.12, unconverged="nan")
 
 
 def test_speeds_and_instants_are_a_runs(rigid: erard.Instrument, found: erard.Gradient) -> None:
@@ -58,7 +58,7 @@ def test_they_are_what_wide_differences_see(rigid: erard.Instrument, found: erar
         assert found["hammer_speed_m_per_s"][name] == pytest.approx(slope(lambda run: run.hammer_speed), rel=0.05), name
         assert found["hammer_contact_s"][name] == pytest.approx(slope(lambda run: run.events["hammer_contact"]), rel=0.05), name
         before = found.time_s < 0.9 * runs[-1.0].events["hammer_contact"]
-        for column in ("key_m", "hammer_head_m"):
+        for column in ("key_m", "hammer_rise_m"):
             seen = slope(lambda run, column=column: np.interp(found.time_s, run["time_s"], run[column]))
             own = found.column_jacobian[column][:, k]
             assert np.linalg.norm((own - seen)[before]) < 0.1 * np.linalg.norm(seen[before]) + 1e-12, (name, column)
@@ -117,7 +117,7 @@ def test_it_pickles_and_compares(found: erard.Gradient) -> None:
         (["let_off", "let_off"], {}, "each once"),
         (["force"], {"stroke": "mf"}, "constant force"),
         (["let_off"], {"outcomes": ["loudness"]}, "hammer_speed_m_per_s"),
-        (["let_off"], {"columns": ["string_N"]}, "hammer_head_m"),
+        (["let_off"], {"columns": ["string_N"]}, "hammer_rise_m"),
         (["let_off"], {"record_every": 0}, "whole number"),
         (["let_off"], {"friction": "tanh"}, "set-valued"),
         (["let_off"], {"step": float("nan")}, "finite"),

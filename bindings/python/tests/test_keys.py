@@ -26,7 +26,7 @@ def test_a_chord_at_the_bridge() -> None:
             for _ in range(40):
                 action.step(force=6.0)
             now, own = keys.reading(key), action.reading
-            assert (now.bridge_n, now.key_m, now.hammer_m, now.string_n) == (own.bridge_n, own.key_m, own.hammer_m, own.string_n)
+            assert (now.bridge_n, now.key_m, now.hammer_rise_m, now.string_n) == (own.bridge_n, own.key_m, own.hammer_rise_m, own.string_n)
             loudest = max(loudest, abs(now.bridge_n))
         assert keys.bridge_n == sum(keys.reading(key).bridge_n for key in range(1, 89))
     assert sorted(key for key, _, _ in impacts) == [40, 44, 47] and loudest > 1.0
@@ -43,10 +43,10 @@ def test_states_are_those_of_an_action() -> None:
     ends = []
     for _ in range(2):
         keys.step(500)
-        ends.append(keys.reading(30).hammer_m)
+        ends.append(keys.reading(30).hammer_rise_m)
         keys.restore(30, saved)
     played = action.play(np.full(500, 5.0))
-    assert ends == [ends[0]] * 2 and played["hammer_head_m"][-1] == ends[0]
+    assert ends == [ends[0]] * 2 and played["hammer_rise_m"][-1] == ends[0]
     with pytest.raises(erard.InputError, match="another instrument"):
         keys.restore(31, saved)
 

@@ -14,11 +14,11 @@ def forces(count: int, samples: int = 101) -> np.ndarray:
 
 def test_every_stroke_is_a_press(grand: erard.Instrument) -> None:
     force = forces(9)
-    rollout = erard.rollout([grand], force=force, dt=1e-3, columns=["force_N", "key_m", "hammer_head_m", "hammer_rad"])
+    rollout = erard.rollout([grand], force=force, dt=1e-3, columns=["force_N", "key_m", "hammer_rise_m", "hammer_rad"])
     for row in (0, 4, 8):
         run = grand.press(force=force[row], dt=1e-3, duration=0.1)
         assert rollout["hammer_speed_m_per_s"][row] == pytest.approx(run.hammer_speed, rel=1e-6)
-        for name in ("key_m", "hammer_head_m", "hammer_rad"):
+        for name in ("key_m", "hammer_rise_m", "hammer_rad"):
             size = np.abs(run[name]).max()
             assert np.allclose(rollout[name][row], run[name][::20], atol=1e-6 * size), name
     assert rollout["key_m"].shape == force.shape and np.array_equal(rollout["force_N"], force)

@@ -21,8 +21,8 @@ def test_columns_are_views_that_cannot_be_written(run: erard.Run) -> None:
     with pytest.raises(ValueError):
         key.flags.writeable = True
     assert all(len(values) == len(run["time_s"]) for values in run.values())
-    assert run.units["hammer_rad_per_s"] == "rad/s" and run.columns[:4] == ["time_s", "force_N", "key_m", "hammer_head_m"]
-    with pytest.raises(KeyError, match="hammer_head_m"):
+    assert run.units["hammer_rad_per_s"] == "rad/s" and run.columns[:4] == ["time_s", "force_N", "key_m", "hammer_rise_m"]
+    with pytest.raises(KeyError, match="hammer_rise_m"):
         run["hammer"]
 
 
@@ -180,7 +180,7 @@ def test_recordings_from_elsewhere(run: erard.Run, grand: erard.Instrument) -> N
     turned = erard.Recording(mine, columns=columns, zero=False, low_pass=None, invert=["force_N"], delay={"force_N": 2e-3})
     at = np.linspace(0.01, 0.1, 50)
     assert np.allclose(turned.at("force_N", at), plain.at("force_N", at + 2e-3)) and np.allclose(turned.at("key_m", at), plain.at("key_m", at))
-    with pytest.raises(erard.InputError, match="force_N, key_m, hammer_head_m"):
+    with pytest.raises(erard.InputError, match="force_N, key_m, hammer_rise_m"):
         erard.Recording(run, invert=["force"])
     with pytest.raises(erard.InputError, match="finite"):
         plain.at("key_m", [np.nan])
@@ -190,7 +190,7 @@ def test_recordings_from_elsewhere(run: erard.Run, grand: erard.Instrument) -> N
 
 def test_the_other_model_and_the_pins(grand: erard.Instrument, run: erard.Run) -> None:
     simple = grand.press(force=5.0, duration=0.2, model="one-dof")
-    assert "hammer_head_m" not in simple and {"key_start", "key_bottom"} <= set(simple.events) and "one degree" in simple.instrument
+    assert "hammer_rise_m" not in simple and {"key_start", "key_bottom"} <= set(simple.events) and "one degree" in simple.instrument
     pins = grand.press(force=5.0, duration=0.2, reactions=True)
     assert pins.columns[: len(run.columns)] == run.columns and all(np.array_equal(pins[name], run[name]) for name in run)
     assert pins.units["key_rad_per_s2"] == "rad/s2" and pins.units["key_back_pin_y_N"] == "N"

@@ -34,7 +34,7 @@ fn findings(c: &Comparison) -> Vec<Finding<'_>> {
         let measured = c.measured(trial.driven).is_some();
         let (told_to_hz, errors) = (trial.told_to_hz, trial.errors.as_ref());
         findings.push(Finding { trial, quantity, unit, shown, told_to_hz, measured, errors });
-        if c.measured_hammer_m.is_some() && !trial.hammer_m.is_empty() {
+        if c.measured_hammer_rise_m.is_some() && !trial.hammer_rise_m.is_empty() {
             let (unit, shown) = length;
             let (told_to_hz, errors) = (trial.hammer_told_to_hz, trial.hammer_errors.as_ref());
             findings.push(Finding { trial, quantity: "hammer", unit, shown, told_to_hz, measured: true, errors });

@@ -151,7 +151,7 @@ pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
         knuckle,
         key_front,
         key_rest: key_place.angle_rad,
-        head: roles.hammer_head_m,
+        head: roles.hammer_strike_point_m,
         near: [whippen_place.angle_rad, hammer_place.angle_rad],
     };
     let train = levers.assemble()?;

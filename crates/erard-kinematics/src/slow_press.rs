@@ -76,7 +76,7 @@ pub fn slow_press(instrument: &Instrument, levers: &DiscLevers, to_m: f64) -> Re
         let row = run.time_s.partition_point(|&time| time < t);
         key_m.get(row).copied()
     });
-    Ok(SlowPress { key_m, head_rise_m: run.hammer_head_m, toe_contact_key_m })
+    Ok(SlowPress { key_m, head_rise_m: run.hammer_rise_m, toe_contact_key_m })
 }
 
 impl SlowPress {

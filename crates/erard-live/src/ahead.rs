@@ -43,7 +43,7 @@ pub(crate) fn look(action: &mut Action, most_s: f64, input: &mut dyn FnMut(u32, 
             found = Some(Foreseen { in_s: impact.time_s - now_s, hammer_speed_m_per_s: impact.hammer_speed_m_per_s });
             break;
         }
-        if reading.hammer_m_per_s <= 0.0 {
+        if reading.hammer_rise_m_per_s <= 0.0 {
             break;
         }
     }

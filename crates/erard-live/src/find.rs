@@ -86,7 +86,7 @@ impl Bench {
     fn impact(&mut self, input: &dyn Fn(f64) -> Input) -> Option<(f64, f64)> {
         let mut found = None;
         self.play(PATIENCE_S, input, &mut |_, reading| {
-            found = reading.impact.map(|impact| (impact.hammer_speed_m_per_s, reading.hammer_m));
+            found = reading.impact.map(|impact| (impact.hammer_speed_m_per_s, reading.hammer_rise_m));
             found.is_some()
         });
         found

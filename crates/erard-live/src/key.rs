@@ -216,8 +216,8 @@ impl Key {
     /// Predicts the impact, continuing the key's motion from its last samples.
     fn foresee(&mut self, from: [f64; 2], to: [f64; 2], tell: &mut dyn FnMut(Told)) {
         let (now, now_s) = (self.action.reading(), self.sensed.now_s());
-        let rises = now.hammer_m_per_s > RISES_M_PER_S;
-        let near = rises && now.hammer_m + 1.5 * now.hammer_m_per_s * HORIZON_S > self.limits().blow_m;
+        let rises = now.hammer_rise_m_per_s > RISES_M_PER_S;
+        let near = rises && now.hammer_rise_m + 1.5 * now.hammer_rise_m_per_s * HORIZON_S > self.limits().blow_m;
         let is_soon = self.looked.is_some_and(|(at_s, _)| now_s < at_s + LOOK_EVERY_S);
         if !near || self.announced.is_some() {
             (self.looked, self.agreed_since_s) = (None, None);

@@ -50,8 +50,18 @@ struct Senses {
 
 /// A row of [`COLUMNS`].
 fn row(at_s: f64, now: &Reading, heard_n: f64, rail_m: Option<f64>) -> [f64; COLUMNS.len()] {
-    let Reading { key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, .. } = *now;
-    [at_s, key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, heard_n, rail_m.unwrap_or(0.0)]
+    let Reading { key_m, key_m_per_s, finger_force_n, hammer_rise_m, hammer_rise_m_per_s, string_n, .. } = *now;
+    [
+        at_s,
+        key_m,
+        key_m_per_s,
+        finger_force_n,
+        hammer_rise_m,
+        hammer_rise_m_per_s,
+        string_n,
+        heard_n,
+        rail_m.unwrap_or(0.0),
+    ]
 }
 
 /// Values kept from step to step.
@@ -79,7 +89,7 @@ struct Watch {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Poise {
     pub key_m: f64,
-    pub hammer_m: f64,
+    pub hammer_rise_m: f64,
     pub jack_is_back: bool,
     pub was_checked: bool,
     /// Key home and hammer below the check for this long, s.
@@ -228,7 +238,7 @@ impl<'a> Key<'a> {
         let ready_s = self.watch.unready.map_or(f64::INFINITY, |last| self.n.saturating_sub(last) as f64 * self.h);
         Poise {
             key_m: now.key_m,
-            hammer_m: now.hammer_m,
+            hammer_rise_m: now.hammer_rise_m,
             jack_is_back: off < JACK_RAD,
             was_checked: self.watch.checked,
             ready_s,
@@ -402,7 +412,7 @@ impl<'a> Key<'a> {
         let now_s = self.now_s();
         if let Some(impact) = reading.impact {
             self.impacts.push([now_s + (impact.time_s - self.action.time_s()), impact.hammer_speed_m_per_s]);
-            (self.watch.checked, self.watch.blow_m) = (false, reading.hammer_m);
+            (self.watch.checked, self.watch.blow_m) = (false, reading.hammer_rise_m);
         }
         self.stand(reading);
         if !self.watch.checked && self.senses.check.is_some_and(|zone| self.action.contact_force(zone) > 0.0) {
@@ -435,7 +445,7 @@ impl<'a> Key<'a> {
 
     /// Updates the condition of key and hammer.
     fn stand(&mut self, reading: &Reading) {
-        if reading.key_m > HOME_M || reading.hammer_m > 0.5 * self.watch.blow_m {
+        if reading.key_m > HOME_M || reading.hammer_rise_m > 0.5 * self.watch.blow_m {
             self.watch.unready = Some(self.n);
         }
     }

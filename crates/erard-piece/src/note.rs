@@ -59,7 +59,7 @@ pub enum Reason {
     /// The hammer was still so high, m above its rest.
     HammerNotDown {
         /// m.
-        hammer_m: f64,
+        hammer_rise_m: f64,
     },
     /// The back check had not caught the hammer.
     NotChecked,
@@ -117,7 +117,7 @@ impl std::fmt::Display for Reason {
         f.write_str(Reason::NAMES[self.place()])?;
         match self {
             Reason::KeyNotBack { key_m } => write!(f, ": {:.1} mm down", 1e3 * key_m),
-            Reason::HammerNotDown { hammer_m } => write!(f, ": {:.0} mm up", 1e3 * hammer_m),
+            Reason::HammerNotDown { hammer_rise_m } => write!(f, ": {:.0} mm up", 1e3 * hammer_rise_m),
             Reason::TooLoud { reached_m_per_s } => write!(f, ": at most {reached_m_per_s:.2} m/s"),
             Reason::StringSounds { swing_m } => write!(f, ": {:.1} mm from side to side", 1e3 * swing_m),
             _ => Ok(()),
@@ -160,8 +160,8 @@ impl Played {
         if !poise.jack_is_back {
             reasons.push(Reason::JackNotBack);
         }
-        if poise.hammer_m > 5e-3 {
-            reasons.push(Reason::HammerNotDown { hammer_m: poise.hammer_m });
+        if poise.hammer_rise_m > 5e-3 {
+            reasons.push(Reason::HammerNotDown { hammer_rise_m: poise.hammer_rise_m });
         }
         if !poise.was_checked {
             reasons.push(Reason::NotChecked);

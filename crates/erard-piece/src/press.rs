@@ -270,10 +270,10 @@ impl Search<'_, '_, '_, '_> {
             let string_m = key.string_m();
             swing_m = [swing_m[0].min(string_m), swing_m[1].max(string_m)];
             let now = key.step(progress)?;
-            rises |= now.hammer_m_per_s > RISES_M_PER_S;
+            rises |= now.hammer_rise_m_per_s > RISES_M_PER_S;
             if rises {
-                highest_m = highest_m.max(now.hammer_m);
-                if now.hammer_m < highest_m - FALLEN_M {
+                highest_m = highest_m.max(now.hammer_rise_m);
+                if now.hammer_rise_m < highest_m - FALLEN_M {
                     break;
                 }
             }

@@ -4,8 +4,17 @@ use std::io;
 
 /// The columns of a row, in this order: SI units, key, finger and pedal rail as an action's reading has them; forces
 /// are those of the row's last step.
-pub const COLUMNS: [&str; 9] =
-    ["time_s", "key_m", "key_m_per_s", "finger_N", "hammer_m", "hammer_m_per_s", "string_N", "bridge_N", "pedal_m"];
+pub const COLUMNS: [&str; 9] = [
+    "time_s",
+    "key_m",
+    "key_m_per_s",
+    "finger_force_N",
+    "hammer_rise_m",
+    "hammer_rise_m_per_s",
+    "string_N",
+    "bridge_N",
+    "pedal_m",
+];
 
 /// Rows of one key, or a stretch of its sound.
 #[derive(Debug, Clone, PartialEq)]

@@ -63,7 +63,7 @@ pub fn recording(grand: &Instrument, nuance: &str, seed: u64) -> String {
     let mut text = String::from("time_s,force_N,key_m,hammer_head_m\n");
     for n in 0..rest + (end_s * RATE_HZ) as usize {
         let of = |column: &[f64]| n.checked_sub(rest).map_or(0.0, |row| column[row * every]);
-        let [force, key, hammer] = [&run.force_n, &run.key_m, &run.hammer_head_m].map(|column| of(column));
+        let [force, key, hammer] = [&run.force_n, &run.key_m, &run.hammer_rise_m].map(|column| of(column));
         let mut seen = |value: f64, [noise, offset]: [f64; 2]| value + offset + noise * normal(&mut state);
         let (force, key) = (seen(force, SENSORS[0]), seen(key, SENSORS[1]));
         let hammer = seen(hammer, SENSORS[2]);

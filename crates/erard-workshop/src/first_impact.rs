@@ -65,7 +65,7 @@ pub fn first_impact(action: &mut Action, force_n: f64) -> Option<FirstImpact> {
         }
         if reading.string_n > 0.0 {
             impact.pulses += u32::from(!touching);
-            (impact.contact_s, impact.back_m_per_s) = ((n - since + 1) as f64 * STEP_S, -reading.hammer_m_per_s);
+            (impact.contact_s, impact.back_m_per_s) = ((n - since + 1) as f64 * STEP_S, -reading.hammer_rise_m_per_s);
             impact.peak_n = impact.peak_n.max(reading.string_n);
         }
         touching = reading.string_n > 0.0;

@@ -19,7 +19,7 @@ pub fn assemble<T: Scalar, const B: usize, const Z: usize>(
 /// Probes observed after every step: the hammer's strike point and the string.
 pub fn probes(instrument: &Instrument) -> Probes {
     let roles = &instrument.roles;
-    Probes { point: roles.hammer.map(|hammer| (hammer, roles.hammer_head_m)), zone: roles.string }
+    Probes { point: roles.hammer.map(|hammer| (hammer, roles.hammer_strike_point_m)), zone: roles.string }
 }
 
 /// An instrument as the engine's mechanism, in single or double precision.
@@ -84,7 +84,7 @@ pub fn describe<T: Scalar>(instrument: &Instrument) -> OwnedDescription<T> {
         damping: t(instrument.finger.damping_n_s_per_m),
     });
     let angles = instrument.bodies.iter().map(|b| t(b.angle_rad)).collect();
-    let gravity = t(instrument.gravity_m_s2);
+    let gravity = t(instrument.gravity_m_per_s2);
     OwnedDescription { bodies, springs, zones, dwells, yields, site, gravity, angles }
 }
 

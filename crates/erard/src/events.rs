@@ -80,7 +80,7 @@ pub struct EventDetector {
 struct Sample {
     time_s: f64,
     key_m: f64,
-    hammer_m: f64,
+    hammer_rise_m: f64,
     key_bottom: f64,
     toe: f64,
     /// Force on the knuckle in the step that ends here, N.
@@ -122,16 +122,16 @@ impl EventDetector {
     /// Observes an action: call before the first step of a press and after every one.
     pub fn observe_action(&mut self, action: &Action) {
         let now = action.reading();
-        self.observe(action.time_s(), now.key_m, now.hammer_m, action.impact(), action.mechanism());
+        self.observe(action.time_s(), now.key_m, now.hammer_rise_m, action.impact(), action.mechanism());
     }
 
-    /// Call before the first step and after every one. `key_m` is the key front's travel, `hammer_m` the head's rise,
-    /// `impact` the impact of the hammer on the string in the step, if there was one.
+    /// Call before the first step and after every one. `key_m` is the key front's travel, `hammer_rise_m` the head's
+    /// rise, `impact` the impact of the hammer on the string in the step, if there was one.
     pub fn observe(
         &mut self,
         time_s: f64,
         key_m: f64,
-        hammer_m: f64,
+        hammer_rise_m: f64,
         impact: Option<Impact>,
         mechanism: &dyn Observation,
     ) {
@@ -148,7 +148,7 @@ impl EventDetector {
         let now = Sample {
             time_s,
             key_m,
-            hammer_m,
+            hammer_rise_m,
             key_bottom: once(events.key_bottom_s, roles.key_bottom),
             toe: once(events.toe_contact_s, roles.let_off),
             knuckle_n: match struck {
@@ -192,8 +192,8 @@ impl EventDetector {
             self.released_s = Some(Push::end_of(self.pushes, push.time_s));
         }
         self.pushes = [self.pushes[1], push];
-        if now.hammer_m > self.highest_m {
-            self.highest_m = now.hammer_m;
+        if now.hammer_rise_m > self.highest_m {
+            self.highest_m = now.hammer_rise_m;
             self.released_at_apex_s = self.released_s;
         }
 

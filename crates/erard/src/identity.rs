@@ -129,7 +129,7 @@ impl List<'_> {
     fn instrument(&mut self) {
         let InstrumentFields {
             name: _,
-            gravity_m_s2,
+            gravity_m_per_s2,
             bodies,
             springs,
             zones,
@@ -141,7 +141,7 @@ impl List<'_> {
             parts: _,
             origin: _,
         } = &**self.instrument;
-        self.number("gravity_m_s2", *gravity_m_s2);
+        self.number("gravity_m_s2", *gravity_m_per_s2);
         self.within("body", |list| bodies.iter().for_each(|body| list.within(&body.name, |list| list.of_body(body))));
         self.within("spring", |list| {
             springs.iter().for_each(|spring| list.within(&spring.name, |list| list.of_spring(spring)));
@@ -266,7 +266,7 @@ impl List<'_> {
             key_front_m,
             is_sharp: _,
             hammer,
-            hammer_head_m,
+            hammer_strike_point_m,
             key_bottom: _,
             string,
             rigid_string: _,
@@ -284,7 +284,7 @@ impl List<'_> {
         }
         self.body("hammer", *hammer);
         if hammer.is_some() {
-            self.vector("hammer_head_m", *hammer_head_m);
+            self.vector("hammer_head_m", *hammer_strike_point_m);
         }
         self.zone_named("string", *string);
         if self.instrument.has_yielding_strings() {
@@ -293,10 +293,19 @@ impl List<'_> {
     }
 
     fn of_string(&mut self, string: &PianoString) {
-        let PianoString { name: _, length_m, mass_kg_m, tension_n, bending_n_m2, loss_per_s, loss_s, strike_m, damper } =
-            string;
+        let PianoString {
+            name: _,
+            length_m,
+            mass_kg_per_m,
+            tension_n,
+            bending_n_m2,
+            loss_per_s,
+            loss_s,
+            strike_m,
+            damper,
+        } = string;
         self.number("length_m", *length_m);
-        self.number("mass_kg_per_m", *mass_kg_m);
+        self.number("mass_kg_per_m", *mass_kg_per_m);
         self.number("tension_N", *tension_n);
         self.number("bending_N_m2", *bending_n_m2);
         self.number("loss_per_s", *loss_per_s);

@@ -243,8 +243,8 @@ impl Reference {
             if reading.impact.is_some() {
                 return Ok(reading.impact);
             }
-            highest_m = highest_m.max(reading.hammer_m);
-            if reading.hammer_m < highest_m - FALLEN_M {
+            highest_m = highest_m.max(reading.hammer_rise_m);
+            if reading.hammer_rise_m < highest_m - FALLEN_M {
                 return Ok(None);
             }
         }

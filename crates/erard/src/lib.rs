@@ -7,7 +7,7 @@
 //! let grand = Instrument::builtin("concert-grand")?;
 //! let mut action = Action::new(&grand)?;              // at rest, 50 us a step; Action::with(&grand, settings) for others
 //! let reading = action.step(Input::Force(4.5));       // owned, no allocation, no ledger
-//! println!("{} {}", reading.key_m, reading.hammer_m_per_s);
+//! println!("{} {}", reading.key_m, reading.hammer_rise_m_per_s);
 //! # assert!(reading.key_m > 0.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

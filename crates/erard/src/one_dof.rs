@@ -76,7 +76,7 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
         let rise = rest.velocity_row(i, body.center_of_mass_m, [0.0, 1.0]);
         let rise: f64 = rise.iter().zip(&ratios).map(|(a, r)| a * r).sum();
         if ratios[i] != 0.0 {
-            moment -= full.gravity_m_s2 * body.mass_kg * rise;
+            moment -= full.gravity_m_per_s2 * body.mass_kg * rise;
         }
     }
     for spring in &full.springs {
@@ -101,7 +101,7 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
     let place = |zone: Option<usize>| zone.and_then(|z| full.roles.stops.iter().position(|&s| s == z));
     let fields = InstrumentFields {
         name: format!("{} (one degree of freedom)", full.name),
-        gravity_m_s2: full.gravity_m_s2,
+        gravity_m_per_s2: full.gravity_m_per_s2,
         bodies: vec![body],
         springs: vec![Spring { name: "whole action".into(), body: 0, torque_n_m: moment, stiffness_n_m_per_rad: 0.0 }],
         zones: stops,

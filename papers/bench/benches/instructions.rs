@@ -101,10 +101,19 @@ fn action_note(instrument: &Instrument, steps: u64) -> f64 {
     let mut sum = 0.0;
     for n in 0..steps {
         let force_n = if n < STEPS / 2 { MF_N } else { 0.0 };
-        let Reading { key_m, key_m_per_s, finger_n, hammer_m, hammer_m_per_s, string_n, impact, outcome, .. } =
-            action.step(Input::Force(force_n));
+        let Reading {
+            key_m,
+            key_m_per_s,
+            finger_force_n,
+            hammer_rise_m,
+            hammer_rise_m_per_s,
+            string_n,
+            impact,
+            outcome,
+            ..
+        } = action.step(Input::Force(force_n));
         assert_eq!(outcome, Outcome::Converged);
-        sum += key_m + key_m_per_s + finger_n + hammer_m + hammer_m_per_s + string_n;
+        sum += key_m + key_m_per_s + finger_force_n + hammer_rise_m + hammer_rise_m_per_s + string_n;
         sum += impact.map_or(0.0, |impact| impact.time_s + impact.hammer_speed_m_per_s);
     }
     sum

@@ -100,13 +100,13 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
     done += some;
   }
   finger_m = to_m === null || from_m === null ? null : from_m + velocity * steps * STEP_S;
-  const [key_m, hammer_m, finger_n] = [new Float32Array(keys), new Float32Array(keys), new Float32Array(keys)];
+  const [key_m, hammer_rise_m, finger_force_n] = [new Float32Array(keys), new Float32Array(keys), new Float32Array(keys)];
   for (let key = 1; key <= keys; key++) {
     raw.erard_keyboard_read(keyboard, key, reading);
     const read = library.f64(reading + 8, 6);
     key_m[key - 1] = read[1]!;
-    finger_n[key - 1] = read[3]!;
-    hammer_m[key - 1] = read[5]!;
+    finger_force_n[key - 1] = read[3]!;
+    hammer_rise_m[key - 1] = read[5]!;
   }
   let pose: { key: number; angles: Float32Array } | null = null;
   if (shown) {
@@ -114,7 +114,7 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
     pose = { key: shown.key, angles: Float32Array.from(library.f64(shown.angles, shown.bodies)) };
   }
   const awake = raw.erard_keyboard_awake_count(keyboard);
-  say({ kind: "frame", wall_ms, key_m, hammer_m, finger_n, impacts: struck, awake, steps, cost_ms: performance.now() - began, late_s, shown: pose, bridge_n }, [key_m.buffer, hammer_m.buffer, finger_n.buffer, bridge_n.buffer]);
+  say({ kind: "frame", wall_ms, key_m, hammer_rise_m, finger_force_n, impacts: struck, awake, steps, cost_ms: performance.now() - began, late_s, shown: pose, bridge_n }, [key_m.buffer, hammer_rise_m.buffer, finger_force_n.buffer, bridge_n.buffer]);
 };
 
 const check = (status: number): void => {

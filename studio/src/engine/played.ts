@@ -200,12 +200,12 @@ export class Played {
     return this.readings(3)[2]!;
   }
 
-  get hammer_m(): number {
+  get hammer_rise_m(): number {
     return this.readings(6)[5]!;
   }
 
   /** Speed of the hammer's strike point now, m/s, up. */
-  get hammer_m_per_s(): number {
+  get hammer_rise_m_per_s(): number {
     return this.readings(7)[6]!;
   }
 
@@ -239,7 +239,7 @@ export class Played {
     }
     return {
       time_s: time === null ? from : from + share * (to - from),
-      key_m: mixed[0]!, hammer_m: mixed[1]!, finger_n: mixed[2]!, string_n: mixed[3]!, hammer_m_per_s: mixed[4]!,
+      key_m: mixed[0]!, hammer_rise_m: mixed[1]!, finger_force_n: mixed[2]!, string_n: mixed[3]!, hammer_rise_m_per_s: mixed[4]!,
       angles: mixed.slice(HEAD, HEAD + bodies),
       contacts: mixed.slice(HEAD + bodies, last),
       string: mixed.slice(last),

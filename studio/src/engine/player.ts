@@ -201,7 +201,7 @@ export class Player {
         if (one.time_s - this.impact_s < rule.for_s) pace = rule.pace;
         continue;
       }
-      const key = rule.of === "key", at = key ? one.key_m : one.hammer_m, speed = key ? one.key_m_per_s : one.hammer_m_per_s;
+      const key = rule.of === "key", at = key ? one.key_m : one.hammer_rise_m, speed = key ? one.key_m_per_s : one.hammer_rise_m_per_s;
       const fast = rule.going ? rule.going * speed : Math.abs(speed);
       if (at >= rule.from_m && at <= rule.to_m && fast >= rule.least_m_per_s) pace = rule.pace;
     }

@@ -38,10 +38,10 @@ export interface Events {
 export interface Pose {
   time_s: number;
   key_m: number;
-  hammer_m: number;
-  finger_n: number;
+  hammer_rise_m: number;
+  finger_force_n: number;
   string_n: number;
-  hammer_m_per_s: number;
+  hammer_rise_m_per_s: number;
   angles: Float32Array;
   contacts: Float32Array;
   /** How far the string is from its rest at its places, m; none where it is rigid. */
@@ -218,7 +218,7 @@ export type FromKeys =
   | { kind: "ready"; keys: number; took_ms: number }
   | { kind: "shown"; key: number; scene: Scene }
   | {
-      kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_m: Float32Array; finger_n: Float32Array; impacts: { key: number; hammer_speed_m_per_s: number }[];
+      kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_rise_m: Float32Array; finger_force_n: Float32Array; impacts: { key: number; hammer_speed_m_per_s: number }[];
       awake: number; steps: number; cost_ms: number; late_s: number; shown: { key: number; angles: Float32Array } | null;
       /** Force of all strings on the bridge after each step of the frame, N; none where no strings sound. */
       bridge_n: Float32Array;

@@ -115,10 +115,10 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     if (scene && data.shown && data.shown.key === drawn) {
       const at = data.shown.key - 1;
       picture.draw([{
-        time_s: 0, key_m: data.key_m[at]!, hammer_m: data.hammer_m[at]!, finger_n: data.finger_n[at]!, string_n: 0, hammer_m_per_s: 0,
+        time_s: 0, key_m: data.key_m[at]!, hammer_rise_m: data.hammer_rise_m[at]!, finger_force_n: data.finger_force_n[at]!, string_n: 0, hammer_rise_m_per_s: 0,
         angles: data.shown.angles, contacts: new Float32Array(5 * scene.zones.length), string: new Float32Array(), swing_m: 0,
       }]);
-      const text = `key ${fixed(1e3 * data.key_m[at]!, 2)} mm, hammer ${fixed(1e3 * data.hammer_m[at]!, 1)} mm, finger ${fixed(data.finger_n[at]!, 2)} N`;
+      const text = `key ${fixed(1e3 * data.key_m[at]!, 2)} mm, hammer ${fixed(1e3 * data.hammer_rise_m[at]!, 1)} mm, finger ${fixed(data.finger_force_n[at]!, 2)} N`;
       if (numbers.textContent !== text) numbers.textContent = text;
     }
     const now = performance.now();
@@ -247,7 +247,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
           context.strokeRect(x + 2 * scale, top + 2 * scale, wide - 4 * scale, bottom - top - 8 * scale);
           context.lineWidth = scale;
         }
-        const rise = frame ? frame.hammer_m[which - 1]! / BLOW_M : 0;
+        const rise = frame ? frame.hammer_rise_m[which - 1]! / BLOW_M : 0;
         const y = rest + (string - rest) * Math.min(Math.max(rise, 0), 1.05);
         const glow = Math.max(0, 1 - (now - struck[which]!) / 400);
         const middle = x + wide / 2;

@@ -19,7 +19,7 @@ const LINES: Line[] = [
   { name: "key bottom \u2212 hammer", title: "positive: the hammer strikes before the key is down", unit: "ms", of: (e) => ms(e.key_bottom_after_impact_s) },
   { name: "check", title: "the back check catches the hammer, from the impact", unit: "ms", of: (e) => ms(e.check_s - e.hammer_contact_s) },
   { name: "key", title: "travel of the key's front now", unit: "mm", of: (_, pose) => fixed(1e3 * pose.key_m, 2) },
-  { name: "finger", title: "its force now", unit: "N", of: (_, pose) => fixed(pose.finger_n, 2) },
+  { name: "finger", title: "its force now", unit: "N", of: (_, pose) => fixed(pose.finger_force_n, 2) },
 ];
 
 const SOFT = "Too soft to sound: the hammer was let off and fell back before it reached the string. Press faster.";

@@ -29,10 +29,10 @@ const numbersOf = (scene: Scene, pose: Pose | undefined, part: string, body: num
     all.push([`weight of the ${carried.name.replaceAll("_", " ")}`, `${fixed(carried.mass_g, 1)} g`]);
     if (pose) all.push(["turned from its rest", `${fixed(((pose.angles[body!]! - carried.angle) * 180) / Math.PI, 2)}\u00b0`]);
   }
-  if (part === "finger" && pose) all.push(["force on the key", `${fixed(pose.finger_n, 2)} N`]);
+  if (part === "finger" && pose) all.push(["force on the key", `${fixed(pose.finger_force_n, 2)} N`]);
   if (part === "key" && pose) all.push(["travel of its front", `${fixed(1e3 * pose.key_m, 2)} mm`]);
   if (part.startsWith("hammer") && body !== null && pose) {
-    all.push(["rise of its head", `${fixed(1e3 * pose.hammer_m, 2)} mm`], ["speed of its head", `${fixed(pose.hammer_m_per_s, 2)} m/s`]);
+    all.push(["rise of its head", `${fixed(1e3 * pose.hammer_rise_m, 2)} mm`], ["speed of its head", `${fixed(pose.hammer_rise_m_per_s, 2)} m/s`]);
   }
   for (const zone of zonesOf(scene, part, body)) {
     const force = pose?.contacts[5 * zone] ?? 0;

@@ -260,7 +260,7 @@ export class Picture {
       if (!pose) continue;
       if (scene.press) {
         const [x, y] = carry(placed[scene.press.body]!, scene.press.point);
-        draw(one, one.finger, { x: x!, y: y!, ux: 0, uy: 1, force: pose.finger_n });
+        draw(one, one.finger, { x: x!, y: y!, ux: 0, uy: 1, force: pose.finger_force_n });
       }
       one.zones.forEach((arrow, zone) => {
         if (!arrow) return;

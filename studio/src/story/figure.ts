@@ -266,9 +266,9 @@ export class Figure {
       this.strip?.begin();
       if (this.strip && this.live) this.live.since = { from_s: pose.time_s - BEFORE_S, most_s: STRIP_S };
     }
-    const key_mm = 1e3 * pose.key_m, hammer_mm = 1e3 * pose.hammer_m;
-    this.press.see({ time_s: pose.time_s, key_mm, hammer_mm, finger_n: pose.finger_n, swing_m: pose.swing_m, impacts: frame.impacts });
-    if (pose.finger_n > FELT_N) this.plot?.add(key_mm, pose.finger_n * 101.97);
+    const key_mm = 1e3 * pose.key_m, hammer_mm = 1e3 * pose.hammer_rise_m;
+    this.press.see({ time_s: pose.time_s, key_mm, hammer_mm, finger_force_n: pose.finger_force_n, swing_m: pose.swing_m, impacts: frame.impacts });
+    if (pose.finger_force_n > FELT_N) this.plot?.add(key_mm, pose.finger_force_n * 101.97);
     const { curves } = frame, since = this.live?.since;
     if (curves && since) this.strip?.draw(since.from_s, curves.times, curves.series[0]![0]!, curves.series[0]![1]!, frame.impacts.map(({ time_s }) => time_s));
     this.now = { press: this.press, pose, events, resting: frame.resting, option: this.option, last: this.last };

@@ -68,12 +68,12 @@ const GRAND: Setup = { base: "concert-grand" }, STRINGS: Setup = { base: "concer
 const mm = (m: number, decimals = 1): string => `${fixed(1e3 * m, decimals)}\u00a0mm`;
 const times = (count: number): string => (count === 0 ? "not at all" : count === 1 ? "once" : count === 2 ? "twice" : `${count} times`);
 const KEY = (now: Now): [string, string] => ["key down", mm(now.pose.key_m)];
-const HAMMER = (now: Now): [string, string] => ["hammer up", mm(now.pose.hammer_m)];
+const HAMMER = (now: Now): [string, string] => ["hammer up", mm(now.pose.hammer_rise_m)];
 const SWING = (now: Now): [string, string] => ["string swings", mm(now.pose.swing_m, 2)];
 const IMPACTS = (now: Now): [string, string] => ["impacts", String(now.press.impacts)];
 const SOFT = "Too soft. The hammer was set free, and fell back before it reached the string. A real piano is silent, too. Press faster.";
 /** A hammer that was let go and did not arrive. */
-const soft = ({ press, pose }: Now): boolean => press.impacts === 0 && press.deepest_mm > 9 && press.highest_mm > 40 && 1e3 * pose.hammer_m < press.highest_mm - 0.3 && Math.abs(pose.hammer_m_per_s) < 0.1;
+const soft = ({ press, pose }: Now): boolean => press.impacts === 0 && press.deepest_mm > 9 && press.highest_mm > 40 && 1e3 * pose.hammer_rise_m < press.highest_mm - 0.3 && Math.abs(pose.hammer_rise_m_per_s) < 0.1;
 const WAITING: [string, boolean] = ["", false];
 const going = ({ press }: Now): boolean => press.deepest_mm > 0.5;
 
@@ -114,13 +114,13 @@ export const STEPS: Record<string, Step> = {
   lever: {
     setups: [GRAND], wide: WHOLE, narrow: WHOLE, slow: NEAR, press_n: 4, mark_mm: 5,
     show: path([0, 0], [0.05, 0], [0.9, 5], [2.2, 5], [2.9, 0], [3, 0]),
-    facts: (now) => [KEY(now), HAMMER(now), ["ratio", now.pose.key_m > 5e-4 ? `${fixed(now.pose.hammer_m / now.pose.key_m, 1)} times` : "\u2013"]],
+    facts: (now) => [KEY(now), HAMMER(now), ["ratio", now.pose.key_m > 5e-4 ? `${fixed(now.pose.hammer_rise_m / now.pose.key_m, 1)} times` : "\u2013"]],
     outcome: (now) => {
-      const { key_m, hammer_m } = now.pose;
+      const { key_m, hammer_rise_m } = now.pose;
       if (now.press.impacts && key_m > 8e-3) return [`All the way: the hammer struck at ${fixed(now.press.hammer_speed_m_per_s, 1)} m/s, some six times as fast as the key moved. Now come up to halfway.`, false];
       if (!going(now)) return WAITING;
       const half = key_m > 4.5e-3 && key_m < 5.6e-3;
-      return [`The key is ${mm(key_m)} down, and the hammer has risen by ${mm(hammer_m)}: ${fixed(hammer_m / Math.max(key_m, 1e-4), 1)} times as far.`, half];
+      return [`The key is ${mm(key_m)} down, and the hammer has risen by ${mm(hammer_rise_m)}: ${fixed(hammer_rise_m / Math.max(key_m, 1e-4), 1)} times as far.`, half];
     },
   },
   flight: {
@@ -138,7 +138,7 @@ export const STEPS: Record<string, Step> = {
   escapement: {
     setups: [STRINGS], wide: INNER, narrow: INNER, slow: LET_OFF, press_n: 5,
     show: weight(5, 0.9),
-    facts: (now) => [["below the string", now.pose.hammer_m < 0.0475 ? mm(0.0475 - now.pose.hammer_m) : "0.0 mm"], SWING(now)],
+    facts: (now) => [["below the string", now.pose.hammer_rise_m < 0.0475 ? mm(0.0475 - now.pose.hammer_rise_m) : "0.0 mm"], SWING(now)],
     outcome: (now) => {
       const { press: g, events } = now;
       if (soft(now)) return [SOFT, false];
@@ -153,14 +153,14 @@ export const STEPS: Record<string, Step> = {
     setups: [{ ...GRAND, turns: { back_check: -4 }, label: "without check" }, { ...GRAND, label: "with check" }],
     wide: BACK, narrow: BACK, slow: CATCH, press_n: 6,
     show: weight(6, 0.9),
-    facts: (now) => [IMPACTS(now), ["below the string", mm(Math.max(0.0475 - now.pose.hammer_m, 0))]],
+    facts: (now) => [IMPACTS(now), ["below the string", mm(Math.max(0.0475 - now.pose.hammer_rise_m, 0))]],
     outcome: (now) => {
       const { press: g, option, last } = now;
       const both = (last[0]?.impacts ?? 0) > 1 && (last[1]?.impacts ?? 0) === 1;
       if (!g.impacts) return soft(now) ? [SOFT, both] : [going(now) ? "Press firmly, all the way down." : "", both];
       if (!option) return [g.impacts > 1 ? `Nothing caught the hammer. It struck ${times(g.impacts)}. Now put the check back.` : "It struck once, so far. Keep the key down; if it stays at once, press harder.", both];
-      const held = now.pose.key_m > 8.5e-3 && Math.abs(now.pose.hammer_m_per_s) < 0.02 && now.pose.hammer_m > 0.02;
-      return [`It struck ${times(g.impacts)}${held ? `, and is held ${mm(0.0475 - now.pose.hammer_m, 0)} below the string` : ""}.${both ? "" : " Compare: press without the check."}`, both];
+      const held = now.pose.key_m > 8.5e-3 && Math.abs(now.pose.hammer_rise_m_per_s) < 0.02 && now.pose.hammer_rise_m > 0.02;
+      return [`It struck ${times(g.impacts)}${held ? `, and is held ${mm(0.0475 - now.pose.hammer_rise_m, 0)} below the string` : ""}.${both ? "" : " Compare: press without the check."}`, both];
     },
   },
   damper: {
@@ -200,12 +200,12 @@ export const STEPS: Record<string, Step> = {
   touch: {
     setups: [GRAND], wide: WHOLE, narrow: WHOLE, slow: NEAR, press_n: 12, plot: true,
     show: ramp(4, 9.8),
-    facts: (now) => [KEY(now), ["finger", `${fixed(now.pose.finger_n * 101.97, 0)} g`]],
+    facts: (now) => [KEY(now), ["finger", `${fixed(now.pose.finger_force_n * 101.97, 0)} g`]],
     outcome: (now) => {
       const { press: g } = now;
       if (!going(now)) return WAITING;
       if (g.impacts) return [`That was fast: up to ${fixed(g.hardest_n, 1)} N, as ${fixed(g.hardest_n * 101.97, 0)} grams weigh. The hammer struck at ${fixed(g.hammer_speed_m_per_s, 1)} m/s.`, false];
-      return g.deepest_mm < 9 ? [`At this depth the finger carries ${fixed(now.pose.finger_n * 101.97, 0)} grams.`, false] : ["Slow enough: the hammer did not even strike. The curve shows the damper halfway, then the notch.", true];
+      return g.deepest_mm < 9 ? [`At this depth the finger carries ${fixed(now.pose.finger_force_n * 101.97, 0)} grams.`, false] : ["Slow enough: the hammer did not even strike. The curve shows the damper halfway, then the notch.", true];
     },
   },
 };

@@ -48,7 +48,7 @@ export class Press {
   private down = false;
 
   /** The key's front now, mm, and what else a frame says. */
-  see(now: { time_s: number; key_mm: number; hammer_mm: number; finger_n: number; swing_m: number; impacts: { time_s: number; hammer_speed_m_per_s: number }[] }): void {
+  see(now: { time_s: number; key_mm: number; hammer_mm: number; finger_force_n: number; swing_m: number; impacts: { time_s: number; hammer_speed_m_per_s: number }[] }): void {
     for (const { time_s, hammer_speed_m_per_s } of now.impacts) {
       if (!this.impacts) {
         this.first_impact_s = time_s;
@@ -60,7 +60,7 @@ export class Press {
     const { key_mm } = now;
     this.deepest_mm = Math.max(this.deepest_mm, key_mm);
     this.highest_mm = Math.max(this.highest_mm, now.hammer_mm);
-    this.hardest_n = Math.max(this.hardest_n, now.finger_n);
+    this.hardest_n = Math.max(this.hardest_n, now.finger_force_n);
     this.swing_m = Math.max(this.swing_m, now.swing_m);
     if (Number.isNaN(this.later_m) && now.time_s > this.first_impact_s + 0.5) this.later_m = now.swing_m;
     this.least_mm = Math.min(this.least_mm, key_mm);

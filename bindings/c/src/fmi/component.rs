@@ -90,9 +90,9 @@ impl Component {
                 [
                     r.key_m,
                     r.key_m_per_s,
-                    r.finger_n,
-                    r.hammer_m,
-                    r.hammer_m_per_s,
+                    r.finger_force_n,
+                    r.hammer_rise_m,
+                    r.hammer_rise_m_per_s,
                     r.string_n,
                     if r.impact_count > 0 { self.start_s + r.impact_time_s } else { 0.0 },
                     r.hammer_speed_m_per_s,

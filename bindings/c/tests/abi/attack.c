@@ -116,7 +116,7 @@ int main(int arguments, char **names) {
         play(which);
         ErardReading reading = {.struct_size = sizeof reading};
         if (erard_action_read(action, &reading) < 0) wrong("it cannot be read");
-        if (!isfinite(reading.key_m + reading.hammer_m + reading.finger_n + reading.string_n)) wrong("not finite");
+        if (!isfinite(reading.key_m + reading.hammer_rise_m + reading.finger_force_n + reading.string_n)) wrong("not finite");
         now_size = sizeof now;
         if (erard_action_save(action, now, &now_size) < 0) wrong("it cannot be saved any more");
         if (was_refused && (now_size != saved_size || memcmp(saved, now, saved_size))) wrong("refused, and the action is another");

@@ -72,7 +72,7 @@ fn the_largest_numbers_that_it_takes() {
         for n in 0..2000 {
             let status = unsafe { erard_action_advance(action.0, 50e-6, &raw const input, &raw mut r) };
             assert_ne!(status, ErardStatus::Internal, "{input:?}, step {n}");
-            let all = [r.key_m, r.key_m_per_s, r.finger_n, r.hammer_m, r.hammer_m_per_s, r.string_n];
+            let all = [r.key_m, r.key_m_per_s, r.finger_force_n, r.hammer_rise_m, r.hammer_rise_m_per_s, r.string_n];
             assert!(all.iter().all(|number| number.is_finite()), "{input:?}, step {n}: {r:?}");
         }
         assert_eq!(unsafe { erard_action_reset(action.0) }, ErardStatus::Ok);

@@ -13,8 +13,17 @@ fn stroke(n: usize) -> f64 {
 }
 
 fn bits(r: &ErardReading) -> [u64; 8] {
-    [r.time_s, r.key_m, r.key_m_per_s, r.finger_n, r.hammer_m, r.hammer_m_per_s, r.string_n, r.hammer_speed_m_per_s]
-        .map(f64::to_bits)
+    [
+        r.time_s,
+        r.key_m,
+        r.key_m_per_s,
+        r.finger_force_n,
+        r.hammer_rise_m,
+        r.hammer_rise_m_per_s,
+        r.string_n,
+        r.hammer_speed_m_per_s,
+    ]
+    .map(f64::to_bits)
 }
 
 /// Every number of every step is the native action's, force and motion, impacts among it.
@@ -40,13 +49,13 @@ fn steps_are_the_native_actions() {
             };
             let native = there.step(native);
             assert_eq!(status == ErardStatus::Ok, native.outcome == erard::Outcome::Converged);
-            let found = [r.key_m, r.key_m_per_s, r.finger_n, r.hammer_m, r.hammer_m_per_s, r.string_n];
+            let found = [r.key_m, r.key_m_per_s, r.finger_force_n, r.hammer_rise_m, r.hammer_rise_m_per_s, r.string_n];
             let expected = [
                 native.key_m,
                 native.key_m_per_s,
-                native.finger_n,
-                native.hammer_m,
-                native.hammer_m_per_s,
+                native.finger_force_n,
+                native.hammer_rise_m,
+                native.hammer_rise_m_per_s,
                 native.string_n,
             ];
             assert_eq!(found.map(f64::to_bits), expected.map(f64::to_bits), "step {n}");
@@ -129,11 +138,11 @@ fn periods_are_steps() {
         let (mut last, mut sum, mut impacts) = (ErardReading::default(), 0.0, 0);
         for _ in 0..20 {
             last = single.force(force_n);
-            sum += last.finger_n;
+            sum += last.finger_force_n;
             impacts += last.new_impact_count;
         }
         assert_eq!(bits(&reading), bits(&last), "period {n}");
-        assert_eq!((reading.finger_mean_n, reading.new_impact_count), (sum / 20.0, impacts));
+        assert_eq!((reading.finger_force_mean_n, reading.new_impact_count), (sum / 20.0, impacts));
     }
     assert!(whole.read().impact_count > 0);
     // 44.1 kHz: less than a step, and no multiple of it.
@@ -348,10 +357,10 @@ fn chord_is_heard([leave, end]: [u32; 2], pressed_n: f64) {
     beside.set_pedal(0.007);
     let (mut impacts, mut loudest_n, mut force_n) = (0, 0.0_f64, f64::NAN);
     for n in 0..end {
-        let finger_n = if n < leave { pressed_n } else { 0.0 };
+        let finger_force_n = if n < leave { pressed_n } else { 0.0 };
         for key in [40, 44, 47] {
-            keyboard.drive(key, finger_n);
-            keys.drive(key as usize, Input::Force(finger_n));
+            keyboard.drive(key, finger_force_n);
+            keys.drive(key as usize, Input::Force(finger_force_n));
         }
         impacts += keyboard.step(1).len();
         keys.step();
@@ -363,8 +372,8 @@ fn chord_is_heard([leave, end]: [u32; 2], pressed_n: f64) {
         }
         assert_eq!(unsafe { erard_keyboard_total_bridge_force(keyboard.0, &raw mut force_n) }, ErardStatus::Ok);
         assert_eq!(force_n.to_bits(), keys.bridge_n().to_bits(), "all keys in step {n}");
-        alone.force(finger_n);
-        beside.step(Input::Force(finger_n));
+        alone.force(finger_force_n);
+        beside.step(Input::Force(finger_force_n));
         assert_eq!(unsafe { erard_action_bridge_force(alone.0, &raw mut force_n) }, ErardStatus::Ok);
         assert_eq!(force_n.to_bits(), beside.strings().unwrap().bridge_n().to_bits(), "step {n}");
     }
@@ -411,7 +420,7 @@ fn a_keyboard_plays() {
     let mut before = Vec::new();
     for n in 0.. {
         // Before each step that may bring an impact: a hammer is near its string.
-        let near = [40, 41].iter().any(|&key| keyboard.read(key).hammer_m > 0.03);
+        let near = [40, 41].iter().any(|&key| keyboard.read(key).hammer_rise_m > 0.03);
         let saved = near.then(|| keyboard.save());
         let new = keyboard.step(1);
         alone.step(Input::Force(6.0));
@@ -454,7 +463,11 @@ fn a_keyboard_plays() {
     other.step(500);
     for key in [7, 40, 41] {
         let (a, b) = (keyboard.read(key), other.read(key));
-        assert_eq!((a.key_m.to_bits(), a.hammer_m.to_bits()), (b.key_m.to_bits(), b.hammer_m.to_bits()), "key {key}");
+        assert_eq!(
+            (a.key_m.to_bits(), a.hammer_rise_m.to_bits()),
+            (b.key_m.to_bits(), b.hammer_rise_m.to_bits()),
+            "key {key}"
+        );
         assert!((a.time_s - b.time_s).abs() < 1e-11);
     }
     keyboard.drive(40, 0.0);
@@ -483,7 +496,7 @@ fn states_and_snapshots_are_one() {
     assert_eq!((here.read().impact_count, impacts), (0, 1), "the snapshot knows of no impact");
     for n in 0..200 {
         let native = there.step(Input::Force(2.0));
-        assert_eq!(here.force(2.0).hammer_m.to_bits(), native.hammer_m.to_bits(), "step {n}");
+        assert_eq!(here.force(2.0).hammer_rise_m.to_bits(), native.hammer_rise_m.to_bits(), "step {n}");
     }
     // Of the same numbers by another name.
     let text = erard::Instrument::builtin_text("concert-grand-strings").unwrap();

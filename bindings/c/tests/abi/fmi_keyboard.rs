@@ -187,7 +187,7 @@ fn of_native(keys: &Keys) -> Vec<u64> {
     for key in PRESSED {
         let r = keys.reading(key);
         let bridge_n = keys.strings(key).unwrap().bridge_n();
-        all.extend([r.key_m, r.hammer_m, r.string_n, bridge_n, r.finger_n].map(f64::to_bits));
+        all.extend([r.key_m, r.hammer_rise_m, r.string_n, bridge_n, r.finger_force_n].map(f64::to_bits));
     }
     all
 }

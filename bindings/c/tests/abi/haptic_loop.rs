@@ -184,7 +184,7 @@ pub fn play(instrument: &Instrument, device: &Device, coupling: [f64; 2], finger
             if let Some(impact) = action.impact() {
                 out.hammer_speed_m_per_s = out.hammer_speed_m_per_s.max(impact.hammer_speed_m_per_s);
             }
-            sum += reading.finger_n;
+            sum += reading.finger_force_n;
         }
         told.push_back(sum / sub_steps as f64);
         let asked: f64 = told.pop_front().unwrap_or(0.0);

@@ -72,15 +72,15 @@ fn strokes_are_those_of_press() {
                 let expected: Vec<u64> = run.bodies.iter().map(|body| body.angle_rad[row].to_bits()).collect();
                 assert_eq!(action.angles(), expected, "{nuance} {} row {row}", touch.name());
                 assert_eq!(reading.key_m.to_bits(), run.key_m[row].to_bits());
-                assert_eq!(reading.hammer_m.to_bits(), run.hammer_head_m[row].to_bits());
+                assert_eq!(reading.hammer_rise_m.to_bits(), run.hammer_rise_m[row].to_bits());
                 if row > 1 {
-                    let centred = 0.5 * (force_before + reading.finger_n);
+                    let centred = 0.5 * (force_before + reading.finger_force_n);
                     assert!(
                         (centred - run.force_n[row - 1]).abs() < 1e-12 * (1.0 + centred.abs()),
                         "{nuance} row {row}"
                     );
                 }
-                force_before = reading.finger_n;
+                force_before = reading.finger_force_n;
                 // Every hundredth row: where what pushes does.
                 if row % 100 == 0 {
                     let status = unsafe { erard_action_contacts(action.0, contacts.as_mut_ptr(), contacts.len()) };
@@ -427,8 +427,8 @@ fn a_hand_plays_as_in_rust() {
         let there = action.step(hand.input(&erard::Input::Force(force_n)).unwrap());
         assert_eq!(unsafe { erard_action_step_input(own.0, &pressed(force_n), &mut reading) }, ErardStatus::Ok);
         assert_eq!(
-            (reading.key_m, reading.hand_m, reading.finger_n),
-            (there.key_m, there.hand_m, there.finger_n),
+            (reading.key_m, reading.hand_m, reading.finger_force_n),
+            (there.key_m, there.hand_m, there.finger_force_n),
             "{n}"
         );
     }
@@ -470,8 +470,8 @@ fn steps_are_whole_where_the_caller_says_so() {
             action.step(erard::Input::Force(8.0));
         }
         let now = action.reading();
-        assert_eq!((reading.key_m, reading.hammer_m, reading.impact_count), (now.key_m, now.hammer_m, 1));
-        found.push(reading.hammer_m);
+        assert_eq!((reading.key_m, reading.hammer_rise_m, reading.impact_count), (now.key_m, now.hammer_rise_m, 1));
+        found.push(reading.hammer_rise_m);
         unsafe { erard_action_free(own) };
     }
     assert_ne!(found[0], found[1]);

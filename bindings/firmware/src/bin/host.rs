@@ -8,7 +8,7 @@ fn digest<T: Scalar>(name: &str) {
     let note = play(&mut grand, &mut |step| {
         step();
     });
-    println!("{name} {:016x} {:.3} rad/s", note.digest, note.fastest_rad_s);
+    println!("{name} {:016x} {:.3} rad/s", note.digest, note.fastest_rad_per_s);
 }
 
 fn main() {

@@ -77,7 +77,7 @@ class Action:
         Returns
         -------
         Reading
-            `time_s`, `key_m`, `key_m_per_s`, `finger_n` (force of the finger on the key), `hammer_m`, `hammer_m_per_s`
+            `time_s`, `key_m`, `key_m_per_s`, `finger_force_n` (force of the finger on the key), `hammer_rise_m`, `hammer_rise_m_per_s`
             (up positive), `string_n`, `hand_m` and `hand_m_per_s` (with a hand), `bridge_n` (force of modal strings on
             the bridge), `converged`, and `impact`: time (s) and hammer speed (m/s, total) of the impact in this step,
             or `None`.
@@ -122,7 +122,7 @@ class Action:
         Returns
         -------
         Table
-            Columns of shape (T,): `time_s`, `key_m`, `hammer_head_m`, `hammer_head_m_per_s`, `string_N`.
+            Columns of shape (T,): `time_s`, `key_m`, `hammer_rise_m`, `hammer_rise_m_per_s`, `string_N`.
         """
         return Table(dict(self._inner.play(floats("force", force, 1))))
 
@@ -188,7 +188,7 @@ class Action:
 
     def __repr__(self) -> str:
         now = self.reading
-        key, hammer = 1e3 * now.key_m, 1e3 * now.hammer_m
+        key, hammer = 1e3 * now.key_m, 1e3 * now.hammer_rise_m
         return f"<erard.Action of {self._instrument.name}, {now.time_s:.6f} s: key {key:.3f} mm down, hammer {hammer:.3f} mm up>"
 
     def __reduce__(self) -> tuple[Any, ...]:

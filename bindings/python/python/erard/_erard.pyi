@@ -145,9 +145,9 @@ class Reading:
         time_s: float,
         key_m: float,
         key_m_per_s: float,
-        finger_n: float,
-        hammer_m: float,
-        hammer_m_per_s: float,
+        finger_force_n: float,
+        hammer_rise_m: float,
+        hammer_rise_m_per_s: float,
         string_n: float,
         hand_m: float,
         hand_m_per_s: float,
@@ -161,9 +161,9 @@ class Reading:
     time_s: float
     key_m: float
     key_m_per_s: float
-    finger_n: float
-    hammer_m: float
-    hammer_m_per_s: float
+    finger_force_n: float
+    hammer_rise_m: float
+    hammer_rise_m_per_s: float
     string_n: float
     hand_m: float
     hand_m_per_s: float

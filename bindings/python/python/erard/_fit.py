@@ -312,7 +312,7 @@ def fit(
     drive : {"force", "motion", "rigid"}, optional
         Quantity of the recordings that drives the model.
     columns : sequence of str, optional
-        Compared columns, of "force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"; by default all but the driving
+        Compared columns, of "force_N", "key_m", "hammer_rise_m", "hammer_rise_m_per_s"; by default all but the driving
         one.
     sigma : mapping of str to float, optional
         Root mean square noise of columns, N, m or m/s. The errors of the parameters include the noise of the drive. By

@@ -33,7 +33,7 @@ QUANTITIES = (
     "key_start_to_hammer_s",
 )
 #: Columns with derivatives.
-COLUMNS = ("key_m", "hammer_head_m", "force_N")
+COLUMNS = ("key_m", "hammer_rise_m", "force_N")
 #: Options for the rest while a parameter changes.
 RESTS = ("moves", "held")
 #: Half width of the differences from a number of the file to the mechanism's parameters: share of the number, and least
@@ -225,7 +225,7 @@ def gradient(
         Quantities, by the names of a study's columns, such as "hammer_speed_m_per_s", "let_off_s",
         "key_start_to_hammer_s"; by default all those that happen.
     columns : sequence of str
-        Columns to differentiate sample by sample: "key_m", "hammer_head_m", "force_N" (not with `rigid`).
+        Columns to differentiate sample by sample: "key_m", "hammer_rise_m", "force_N" (not with `rigid`).
     record_every : int
         Number of steps between two samples of the columns.
     force, dt, stroke, touch, motion, rigid, drive, duration

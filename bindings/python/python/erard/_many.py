@@ -155,7 +155,7 @@ def rollout(
     motion: ArrayLike | None = None,
     rigid: ArrayLike | None = None,
     dt: float,
-    columns: Sequence[str] = ("key_m", "hammer_head_m"),
+    columns: Sequence[str] = ("key_m", "hammer_rise_m"),
     threads: int | None = None,
     single: bool = False,
     ledger: bool = True,

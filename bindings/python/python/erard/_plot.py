@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 #: Columns drawn by default.
-USUAL = ("force_N", "key_m", "hammer_head_m", "string_N")
+USUAL = ("force_N", "key_m", "hammer_rise_m", "string_N")
 #: Colours that colour-blind people can distinguish (Okabe and Ito).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 #: Columns that a recording can have.
-_CHANNELS = ("force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s")
+_CHANNELS = ("force_N", "key_m", "hammer_rise_m", "hammer_rise_m_per_s")
 
 
 class Recording(Table):
@@ -33,7 +33,7 @@ class Recording(Table):
     source : run, mapping, data frame, path or Recording
         Columns by title: one for the time and any of force, position (of the key front or of the fingertip, down
         positive) and the hammer's rise or speed. Titles contain the unit: `time_s`, `force_N`, `key_m`,
-        `hammer_head_m`, `hammer_head_m_per_s`, `Force (gf)`, `Travel [mm]`. The source is a mapping of arrays or
+        `hammer_rise_m`, `hammer_rise_m_per_s`, `Force (gf)`, `Travel [mm]`. The source is a mapping of arrays or
         supports the Arrow PyCapsule protocol. A path is a CSV file or, if it ends in .parquet, a Parquet file. Cells
         that are nan or empty were not sampled; `notes` reports the length of bridged gaps.
     columns : str or mapping of str to str, optional
@@ -41,15 +41,15 @@ class Recording(Table):
         mapping of roles to titles.
     position : {"key", "fingertip"}, optional
         Part whose position was recorded; by default as the title says, else the key.
-    zero : bool or mapping of {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"} to float
+    zero : bool or mapping of {"force_N", "key_m", "hammer_rise_m", "hammer_rise_m_per_s"} to float
         Whether to subtract from each channel its mean in the rest before the touch. A mapping gives the reading of a
         channel at its zero, N, m or m/s, in the file's own sign; the zeros of other channels are taken from the rest.
     low_pass : float, "own" or None
         Cut-off of a low-pass filter, Hz, applied forward and backward; "own" sets it from each channel's own noise;
         `None` filters nothing.
-    invert : sequence of {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"}
+    invert : sequence of {"force_N", "key_m", "hammer_rise_m", "hammer_rise_m_per_s"}
         Channels whose sign is inverted.
-    delay : mapping of {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"} to float, optional
+    delay : mapping of {"force_N", "key_m", "hammer_rise_m", "hammer_rise_m_per_s"} to float, optional
         Delay of a channel behind the others, s.
 
     Raises
@@ -132,7 +132,7 @@ class Recording(Table):
 
         Parameters
         ----------
-        column : {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"}
+        column : {"force_N", "key_m", "hammer_rise_m", "hammer_rise_m_per_s"}
 
         Returns
         -------
@@ -148,7 +148,7 @@ class Recording(Table):
 
         Parameters
         ----------
-        column : {"force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"}
+        column : {"force_N", "key_m", "hammer_rise_m", "hammer_rise_m_per_s"}
         time_s : array_like
             Times, s, of shape (T,).
 

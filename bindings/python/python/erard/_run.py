@@ -22,8 +22,8 @@ class Run(Table):
     """Result of one press: a mapping of columns, with events, impacts and energy losses.
 
     Columns are read-only arrays, without a copy: `time_s`, `force_N` (force of the finger, pushing positive), `key_m`
-    (travel of the key front from rest, down positive), `hammer_head_m` (rise of the strike point, up positive),
-    `hammer_head_m_per_s` (its speed), for every body `NAME_rad` and `NAME_rad_per_s` (counter-clockwise positive), and
+    (travel of the key front from rest, down positive), `hammer_rise_m` (rise of the strike point, up positive),
+    `hammer_rise_m_per_s` (its speed), for every body `NAME_rad` and `NAME_rad_per_s` (counter-clockwise positive), and
     for every contact zone `NAME_N` (normal force) and, with friction, `NAME_tangential_N`.
 
     Attributes

@@ -104,7 +104,7 @@ class Sensor:
     name : str
         Name of the sensor; its counts are the column `NAME_counts`.
     column : str
-        Measured quantity, a column of a run: "key_m" (down positive) or "hammer_head_m" (up positive).
+        Measured quantity, a column of a run: "key_m" (down positive) or "hammer_rise_m" (up positive).
     from_m, to_m : float
         Travel at zero counts and at full scale, m; outside, the sensor saturates.
     curvature : float
@@ -132,8 +132,8 @@ class Sensor:
     gain: Distribution = field(default_factory=lambda: Normal(1.0, 0.03))
 
     def __post_init__(self) -> None:
-        if self.column not in ("key_m", "hammer_head_m"):
-            raise InputError(f"sensor {self.name}: found column {self.column!r}, expected 'key_m' or 'hammer_head_m'", key="column")
+        if self.column not in ("key_m", "hammer_rise_m"):
+            raise InputError(f"sensor {self.name}: found column {self.column!r}, expected 'key_m' or 'hammer_rise_m'", key="column")
         if not 1 <= self.bits <= 16:
             raise InputError(f"sensor {self.name}: found {self.bits} bits, expected 1 to 16", key="bits")
         if not (self.to_m > self.from_m and -1 <= self.curvature <= 1 and self.noise >= 0):
@@ -159,7 +159,7 @@ class Sensor:
 #: Under the key: a reflective sensor that sees all of the key's travel.
 UNDER_KEY = Sensor("key", "key_m", from_m=0.0, to_m=0.0105, curvature=0.35, noise=1.5e-3, bits=10, rate_hz=1000.0)
 #: At the hammer's shank: a fork that a vane enters in the last twelve millimetres before the string.
-AT_SHANK = Sensor("shank", "hammer_head_m", from_m=0.034, to_m=0.046, curvature=-0.2, noise=2e-3, bits=12, rate_hz=4000.0)
+AT_SHANK = Sensor("shank", "hammer_rise_m", from_m=0.034, to_m=0.046, curvature=-0.2, noise=2e-3, bits=12, rate_hz=4000.0)
 
 
 @dataclass(frozen=True)

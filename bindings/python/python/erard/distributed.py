@@ -300,7 +300,7 @@ def rollout(
     motion: ArrayLike | None = None,
     rigid: ArrayLike | None = None,
     dt: float,
-    columns: Sequence[str] = ("key_m", "hammer_head_m"),
+    columns: Sequence[str] = ("key_m", "hammer_rise_m"),
     chunk: int = CHUNK,
     threads: int = 1,
     client: Any = None,

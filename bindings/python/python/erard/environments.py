@@ -44,9 +44,9 @@ if TYPE_CHECKING:
 OBSERVED = {
     "key_m": 0.1,
     "key_m_per_s": 100.0,
-    "finger_mean_n": 1e4,
-    "hammer_m": 1.0,
-    "hammer_m_per_s": 100.0,
+    "finger_force_mean_n": 1e4,
+    "hammer_rise_m": 1.0,
+    "hammer_rise_m_per_s": 100.0,
     "finger_m": 0.1,
     "goal_m_per_s": 10.0,
     "time_s": 1e3,
@@ -165,7 +165,7 @@ class _Lanes:
     def present(self, lanes: NDArray[np.int64]) -> Floats:
         """Returns the observations of some lanes at the start, before any finger has pushed."""
         now = self.read(lanes, self.values(lanes, np.zeros(len(lanes)))[0], 0)
-        return self.observed(lanes, {**now, "finger_mean_n": np.zeros(len(lanes))})
+        return self.observed(lanes, {**now, "finger_force_mean_n": np.zeros(len(lanes))})
 
     def values(self, lanes: NDArray[np.int64], asked: Floats) -> tuple[Floats, Floats]:
         """Returns the inputs of the keys over a period, and the positions of the fingertips after it."""
@@ -208,7 +208,7 @@ class KeyEnv(gymnasium.Env[Any, Any]):
     fingertip stays within -20 to 30 mm; with a `hand`, the muscle follows it. Actions out of range are clipped. The
     same actions give the same bits as `Action.step`.
 
-    Observations are eight numbers (`OBSERVED`): `key_m`, `key_m_per_s`, `finger_mean_n`, `hammer_m`, `hammer_m_per_s`, `finger_m`, `goal_m_per_s`,
+    Observations are eight numbers (`OBSERVED`): `key_m`, `key_m_per_s`, `finger_force_mean_n`, `hammer_rise_m`, `hammer_rise_m_per_s`, `finger_m`, `goal_m_per_s`,
     `time_s`. Key and finger are positive downward from the key's rest, the hammer upward. `info` holds the hammer speed
     at the impact, `hammer_speed_m_per_s` (total).
 

@@ -238,7 +238,7 @@ impl Check {
                 [
                     format!("{}{}", string.name, if i.roles.rigid_string { " (held rigid)" } else { "" }),
                     format!("{:.1} mm", string.length_m * 1e3),
-                    format!("{:.3} g/m", string.mass_kg_m * 1e3),
+                    format!("{:.3} g/m", string.mass_kg_per_m * 1e3),
                     format!("{:.1} N", string.tension_n),
                     format!("{:.2} Hz", string.partial_hz(1)),
                     format!("{:.2e}", string.inharmonicity()),

@@ -29,7 +29,7 @@ use erard_figures::figure::{Dash, Figure, Panel, Trace, Window, figure_picture};
 #[derive(Debug, Args)]
 pub(crate) struct Compare {
     /// Recording, CSV or Parquet: a time column, a force or position column or both, and the hammer if measured, with
-    /// the unit in the title (`time_s`, `Force (gf)`, `Travel [mm]`, `hammer_head_m`). Down is positive
+    /// the unit in the title (`time_s`, `Force (gf)`, `Travel [mm]`, `hammer_rise_m`). Down is positive
     #[arg(value_name = "MEASURED.csv")]
     file: PathBuf,
     #[command(flatten)]
@@ -153,7 +153,7 @@ fn table(c: &Comparison) -> Table<'_> {
     let measured = [
         ("measured_force_N", &c.measured_force_n),
         ("measured_position_m", &c.measured_position_m),
-        ("measured_hammer_head_m", &c.measured_hammer_m),
+        ("measured_hammer_rise_m", &c.measured_hammer_rise_m),
     ];
     let mut table = Table::default().numbers("time_s", &c.time_s);
     for (name, values) in measured {
@@ -162,8 +162,8 @@ fn table(c: &Comparison) -> Table<'_> {
     for t in &c.trials {
         let stem = format!("{}_{}", t.driven.name(), t.which.name().replace('-', "_"));
         table = table.numbers(format!("{stem}_force_N"), &t.force_n).numbers(format!("{stem}_key_m"), &t.key_m);
-        if !t.hammer_m.is_empty() {
-            table = table.numbers(format!("{stem}_hammer_head_m"), &t.hammer_m);
+        if !t.hammer_rise_m.is_empty() {
+            table = table.numbers(format!("{stem}_hammer_rise_m"), &t.hammer_rise_m);
         }
     }
     table
@@ -212,12 +212,12 @@ fn figure<'a>(c: &'a Comparison, title: &str, instrument: &str) -> Figure<'a> {
         let curves = one_dof.into_iter().chain(action).chain(measured).collect();
         panels.push(Panel { y_range: range, ..Panel::new(quantity, unit, 260.0, curves) });
     }
-    if let Some(measured) = &c.measured_hammer_m {
+    if let Some(measured) = &c.measured_hammer_rise_m {
         let mut curves = Vec::new();
-        for (n, trial) in c.trials.iter().filter(|t| !t.hammer_m.is_empty()).enumerate() {
+        for (n, trial) in c.trials.iter().filter(|t| !t.hammer_rise_m.is_empty()).enumerate() {
             curves.push(curve(
                 &format!("action, {}", trial.driven.driven()),
-                in_mm(&trial.hammer_m),
+                in_mm(&trial.hammer_rise_m),
                 1 + n,
                 Dash::Solid,
             ));

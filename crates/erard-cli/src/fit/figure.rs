@@ -11,7 +11,7 @@ pub(crate) fn figure<'a>(channels: &'a [Channel], recordings: &[&str], instrumen
         let (by, unit, quantity) = match channel.column {
             "force_N" => (1.0, "N", "force"),
             "key_m" => (1e3, "mm", "key"),
-            "hammer_head_m_per_s" => (1.0, "m/s", "hammer speed"),
+            "hammer_rise_m_per_s" => (1.0, "m/s", "hammer speed"),
             _ => (1e3, "mm", "hammer"),
         };
         let which =

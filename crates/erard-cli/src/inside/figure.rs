@@ -21,7 +21,7 @@ pub(crate) fn reactions_picture(run: &Run, title: &str, pins: &[PinSeries]) -> P
     let panels = vec![
         panel("pin, to the back", "N", &|pin| pin.pin_x_n.clone()),
         panel("pin, up", "N", &|pin| pin.pin_y_n.clone()),
-        panel("acceleration", "krad/s²", &|pin| pin.acceleration_rad_s2.iter().map(|a| a * 1e-3).collect()),
+        panel("acceleration", "krad/s²", &|pin| pin.acceleration_rad_per_s2.iter().map(|a| a * 1e-3).collect()),
     ];
     let what = "force of each pin on its body, and angular acceleration of the body, counter-clockwise".into();
     figure_picture(&over_run(run, format!("{title}: what the pins carry"), what, panels))

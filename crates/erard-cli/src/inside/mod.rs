@@ -20,7 +20,7 @@ pub(crate) fn columns(pins: &[PinSeries]) -> Vec<(String, &[f64])> {
     };
     pins.iter()
         .flat_map(|pin| {
-            let values = [&pin.acceleration_rad_s2[..], &pin.pin_x_n, &pin.pin_y_n];
+            let values = [&pin.acceleration_rad_per_s2[..], &pin.pin_x_n, &pin.pin_y_n];
             of(pin).map(|(name, which)| (name, values[which]))
         })
         .collect()

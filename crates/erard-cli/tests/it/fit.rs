@@ -50,7 +50,7 @@ fn a_fit_is_written() {
     assert!((mass.value(&fitted) / number(row, "value") - 1.0).abs() < 1e-8 && number(row, "std") > 0.0, "{row}");
     assert!(row["name"] == "body.hammer.mass" && said.contains("body.hammer.mass"), "{said}");
     let table = folder.read("erard-out-fit/fit.csv");
-    assert!(table.starts_with("recording,time_s,measured_hammer_head_m,fitted_hammer_head_m,"), "{table}");
+    assert!(table.starts_with("recording,time_s,measured_hammer_rise_m,fitted_hammer_rise_m,"), "{table}");
     assert_eq!(table.lines().count(), 1 + number(&found, "samples") as usize / 2);
     // What is left over of each channel beside its sensor's noise, in um and in SI units.
     for channel in found["channels"].as_array().unwrap() {
@@ -126,7 +126,7 @@ fn a_recording_is_fitted_in_one_command() {
     }
     let table = folder.read("erard-out-fit/fit.csv");
     assert!(table.starts_with(
-        "recording,time_s,measured_hammer_head_m,fitted_hammer_head_m,left_over_hammer_head,measured_key_m,"
+        "recording,time_s,measured_hammer_rise_m,fitted_hammer_rise_m,left_over_hammer_rise,measured_key_m,"
     ));
     assert_eq!(table.lines().count(), 1 + number(&found, "samples") as usize / 2);
     for picture in ["fit.svg", "fit.png"] {
@@ -156,7 +156,7 @@ fn what_is_not_told_is_said() {
     let folder = Folder::new("fit-unseen");
     // Columns of the motion, written down 1 ms later.
     let rows: Vec<Vec<&str>> = MF.lines().skip(1).map(|line| line.split(',').collect()).collect();
-    let mut late = String::from("time_s,force_N,key_m,hammer_head_m\n");
+    let mut late = String::from("time_s,force_N,key_m,hammer_rise_m\n");
     for (n, row) in rows.iter().enumerate() {
         let then = &rows[n.saturating_sub(4)];
         late += &format!("{},{},{},{}\n", row[0], row[1], then[2], then[3]);
@@ -214,7 +214,7 @@ fn what_is_wrong_is_named() {
         (&["mf.csv", mass, "--compare=string"], "expected force, position, hammer or hammer_speed"),
         (
             &["mf.csv", mass, "--columns=time=time_s,force=force_N,position=key_m,hammer=none", "--compare=hammer"],
-            "has no `hammer_head_m` to compare",
+            "has no `hammer_rise_m` to compare",
         ),
         (&["mf.csv", mass, "--duration=0"], "--duration 0"),
         (&["mf.csv", mass, "--drive=rigid", "--jacobian=gradient"], "expected differences"),

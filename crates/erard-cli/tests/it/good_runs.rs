@@ -59,7 +59,7 @@ fn with_no_argument_the_grand_plays() {
     let table = folder.read("erard-out/run.csv");
     let (header, rows) = table.split_once('\n').unwrap();
     let names = columns(header);
-    assert_eq!(names[..5], ["time_s", "force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"]);
+    assert_eq!(names[..5], ["time_s", "force_N", "key_m", "hammer_rise_m", "hammer_rise_m_per_s"]);
     let angles: Vec<String> = BODIES.iter().flat_map(|b| [format!("{b}_rad"), format!("{b}_rad_per_s")]).collect();
     assert_eq!(names[5..21], angles);
     for sliding in ["jack_knuckle", "let_off_button", "check"] {
@@ -174,7 +174,7 @@ fn a_measured_stroke_beside_the_models() {
     assert!(of("force", "action", "hammer").unwrap() > 0.999, "{printed}");
     assert_eq!(of("force", "one-dof", "hammer"), None);
     let header = folder.read("erard-out-compare/compare.csv").lines().next().unwrap().to_owned();
-    assert!(header.contains("measured_hammer_head_m") && header.contains("force_action_hammer_head_m"), "{header}");
+    assert!(header.contains("measured_hammer_rise_m") && header.contains("force_action_hammer_rise_m"), "{header}");
     for (columns, kept) in [("force only", [0, 1]), ("position only", [0, 2])] {
         let rows: Vec<String> = table.lines().map(|l| kept.map(|k| l.split(',').nth(k).unwrap()).join(",")).collect();
         folder.file("part.csv", &rows.join("\n"));

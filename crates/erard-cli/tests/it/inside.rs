@@ -25,7 +25,7 @@ fn reactions_are_columns_and_curves() {
     }
     // Newton's second law of the damper before it is touched: its weight, its rest's push and its pin's.
     let damper = erard::instrument::Instrument::builtin("concert-grand").unwrap();
-    let weight = damper.bodies.iter().find(|body| body.name == "damper").unwrap().mass_kg * damper.gravity_m_s2;
+    let weight = damper.bodies.iter().find(|body| body.name == "damper").unwrap().mass_kg * damper.gravity_m_per_s2;
     let up =
         column(&inside, "damper_pin_y_N")[0] + column(&inside, "damper_rest_N")[0] + column(&inside, "key_damper_N")[0];
     assert!((up - weight).abs() < 1e-6 * weight, "{up} {weight}");

@@ -246,7 +246,7 @@ fn runs_are_strokes() {
     ]);
     for file in ["run/run.csv", "run/run.parquet"] {
         let said = folder.good(&["check", file]);
-        assert!(said.contains("`key_m`, in m, the key's") && said.contains("hammer_head_m"), "{said}");
+        assert!(said.contains("`key_m`, in m, the key's") && said.contains("hammer_rise_m"), "{said}");
     }
     let speed = |arguments: &[&str]| {
         folder.good(&[&["press"], arguments].concat());

@@ -113,7 +113,7 @@ fn a_bridge_that_moves_shifts_partials_as_its_admittance_says() {
     };
     assert_eq!((instrument.strings.len(), instrument.bridge_modes.len()), (3, 6));
     let per_s = 2.0 * string.ideal_hz();
-    let impedance = string.mass_kg_m * per_s * string.length_m;
+    let impedance = string.mass_kg_per_m * per_s * string.length_m;
     for n in 1..=7_u32 {
         let alone = Complex::new(2.0 * PI * formula_hz(string, n), string.decay_per_s(n));
         let mut omega = alone;

@@ -22,7 +22,7 @@ type Quantity = (&'static str, &'static str, f64, fn(&Run) -> &[f64]);
 const QUANTITIES: [Quantity; 3] = [
     ("force", "N", 1.0, |run| &run.force_n),
     ("key", "mm", 1e3, |run| &run.key_m),
-    ("hammer", "mm", 1e3, |run| &run.hammer_head_m),
+    ("hammer", "mm", 1e3, |run| &run.hammer_rise_m),
 ];
 
 /// The figure of two runs, each with its name.

@@ -20,8 +20,8 @@ pub(crate) fn run_figure<'a>(run: &'a Run, stroke: &str) -> Figure<'a> {
         panel(run, ("force", "N"), 110.0, [("finger on key", Cow::Borrowed(&run.force_n[..]))]),
         panel(run, ("key", "mm"), 110.0, [("key front, down", scaled(&run.key_m, 1e3))]),
     ];
-    if !run.hammer_head_m.is_empty() {
-        let head = scaled(&run.hammer_head_m, 1e3);
+    if !run.hammer_rise_m.is_empty() {
+        let head = scaled(&run.hammer_rise_m, 1e3);
         panels.push(panel(run, ("hammer", "mm"), 130.0, [("strike point, up", head)]));
     }
     let angles = angles(run);

@@ -322,7 +322,7 @@ mod tests {
         assert!(!page_html(&shown, "mf", &[]).contains("id=\"pin-forces\""));
         let pin = |name: &str| PinSeries {
             name: name.into(),
-            acceleration_rad_s2: vec![0.0; 50],
+            acceleration_rad_per_s2: vec![0.0; 50],
             pin_x_n: vec![1.5; 50],
             pin_y_n: vec![-2.5; 50],
         };

@@ -28,7 +28,7 @@ fn body(name: &str, parent: Option<usize>, pivot_m: [f64; 2]) -> Body {
 pub(crate) fn two_levers() -> Instrument {
     let fields = InstrumentFields {
         name: "Two levers".into(),
-        gravity_m_s2: 9.81,
+        gravity_m_per_s2: 9.81,
         bodies: vec![body("long", None, [0.01, 0.02]), body("short", Some(0), [0.1, 0.0])],
         springs: vec![],
         zones: vec![Zone {
@@ -85,7 +85,7 @@ pub(crate) fn two_levers_run(frames: usize) -> Run {
     run.instrument = "Two levers".into();
     run.force_n = time_s.iter().map(|t| (t * 40.0).sin().abs()).collect();
     run.key_m = time_s.iter().map(|t| 0.01 * t).collect();
-    run.hammer_head_m = vec![];
+    run.hammer_rise_m = vec![];
     run.bodies = vec![series("long", 0.5), series("short", 1.0)];
     run.zones.truncate(1);
     let stop = &mut run.zones[0];

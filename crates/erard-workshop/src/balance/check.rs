@@ -46,7 +46,7 @@ fn check_key(
     let mut as_weighed = instrument.clone();
     let model = &key.model;
     let front_m = 1e-3 * model.key_front_mm;
-    let strike_arm_m = instrument.roles.hammer_head_m[0];
+    let strike_arm_m = instrument.roles.hammer_strike_point_m[0];
     let strike = |instrument: &mut Instrument, by_g: f64| {
         let height_m = instrument.bodies[parts.hammer].center_of_mass_m[1];
         add_mass(instrument, parts.hammer, 1e-3 * by_g, [strike_arm_m, height_m])

@@ -51,7 +51,7 @@ impl KeyModel {
         let [whippen_ratio, _] = levers.ratios(HALF_WAY_M)?;
         let (key, hammer) = (&instrument.bodies[parts.key], &instrument.bodies[parts.hammer]);
         let strike_g = strike_weight_g(instrument, &parts);
-        let strike_arm_m = instrument.roles.hammer_head_m[0];
+        let strike_arm_m = instrument.roles.hammer_strike_point_m[0];
         Ok(KeyModel {
             key_front_mm: front_m * MM,
             capstan_mm: capstan_m * MM,
@@ -161,7 +161,7 @@ mod tests {
         let simulated = inertia(&grand, 2.0 * HALF_WAY_M, &mut |_| true).unwrap().half_way;
         let ratio = {
             let mut levers = Levers::of(&grand).unwrap();
-            levers.ratios(HALF_WAY_M).unwrap()[1] * grand.locked().roles.hammer_head_m[0] / levers.key_front_m
+            levers.ratios(HALF_WAY_M).unwrap()[1] * grand.locked().roles.hammer_strike_point_m[0] / levers.key_front_m
         };
         let ours = model.inertia_kg(model.strike_weight_g, model.front_weight_g, ratio);
         assert!((ours / simulated.total_kg() - 1.0).abs() < 0.03, "{ours} {simulated:?}");

@@ -150,7 +150,7 @@ pub struct Trial {
     /// Effect of the recording's noise on the force, under a recorded motion; `None` if unknown.
     pub force_uncertainty: Option<ForceUncertainty>,
     /// Rise of the hammer's strike point, m; empty for a model without a hammer.
-    pub hammer_m: Vec<f64>,
+    pub hammer_rise_m: Vec<f64>,
     /// Highest frequency for which errors of the hammer are reported, Hz.
     pub hammer_told_to_hz: f64,
     /// Errors of the hammer's motion, if it was both simulated and measured.
@@ -180,7 +180,7 @@ pub struct Comparison {
     /// Part whose position was recorded.
     pub position_of: PositionOf,
     /// Measured rise of the hammer's strike point, m.
-    pub measured_hammer_m: Option<Vec<f64>>,
+    pub measured_hammer_rise_m: Option<Vec<f64>>,
     /// Trials in the order of [`DRIVES`], the action before the one-degree-of-freedom model.
     pub trials: Vec<Trial>,
     /// Assumptions, and drives that could not be tried, in words.
@@ -308,7 +308,7 @@ pub fn compare_chosen(
     let measured_force_n: Option<Vec<f64>> =
         series.force.as_ref().map(|s| time_s.iter().copied().map(s.drive()).collect());
     let measured_position_m = key.as_ref().or(series.position.as_ref()).map(path);
-    let measured_hammer_m = series.hammer_head.as_ref().map(path);
+    let measured_hammer_rise_m = series.hammer_head.as_ref().map(path);
 
     let mut setup = Setup {
         start_s,
@@ -376,15 +376,15 @@ pub fn compare_chosen(
             _ => None,
         };
         let errors = measured.as_ref().and_then(|m| errors_within(m, simulated, resting, told_to_hz));
-        let hammer_m = match model.roles.hammer {
-            Some(_) => interpolated(&run.time_s, &run.hammer_head_m, &time_s),
+        let hammer_rise_m = match model.roles.hammer {
+            Some(_) => interpolated(&run.time_s, &run.hammer_rise_m, &time_s),
             None => Vec::new(),
         };
         let hammer_told_to_hz = hammer_hz.min(drive_hz);
-        let hammer_errors = measured_hammer_m
+        let hammer_errors = measured_hammer_rise_m
             .as_ref()
-            .filter(|_| !hammer_m.is_empty())
-            .and_then(|m| errors_within(m, &hammer_m, resting, hammer_told_to_hz));
+            .filter(|_| !hammer_rise_m.is_empty())
+            .and_then(|m| errors_within(m, &hammer_rise_m, resting, hammer_told_to_hz));
         trials.push(Trial {
             driven,
             which,
@@ -393,13 +393,13 @@ pub fn compare_chosen(
             told_to_hz,
             errors,
             force_uncertainty,
-            hammer_m,
+            hammer_rise_m,
             hammer_told_to_hz,
             hammer_errors,
         });
     }
     let position_of = choice.position_of;
-    Ok(Comparison { time_s, measured_force_n, measured_position_m, position_of, measured_hammer_m, trials, notes })
+    Ok(Comparison { time_s, measured_force_n, measured_position_m, position_of, measured_hammer_rise_m, trials, notes })
 }
 
 /// Errors up to a frequency, Hz: both series pass the same low-pass, forward and backward. `None` if nothing is left to

@@ -34,7 +34,7 @@ impl Bench {
     pub fn of(instrument: &Instrument) -> Result<Self, MeasureError> {
         let anatomy = Anatomy::find(instrument)?;
         let torque = |body: usize| instrument.bodies[instrument.first_piece(body)].friction_torque_n_m;
-        let grams = |torque_n_m: f64, arm_m: f64| 1e3 * torque_n_m / (arm_m * instrument.gravity_m_s2);
+        let grams = |torque_n_m: f64, arm_m: f64| 1e3 * torque_n_m / (arm_m * instrument.gravity_m_per_s2);
         let rigid = instrument.locked();
         let hammer_g = grams(torque(anatomy.hammer), HAMMER_ARM_M);
         Ok(Bench {

@@ -118,7 +118,7 @@ impl<'i> Fixture<'i> {
             key_m: self.action.reading().key_m,
             below_string_m,
             rise_m_per_s: (self.before.below_string_m - below_string_m) / step_s,
-            force_n: self.action.reading().finger_n,
+            force_n: self.action.reading().finger_force_n,
         };
         Ok(())
     }

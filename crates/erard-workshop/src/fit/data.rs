@@ -17,8 +17,8 @@ use erard::recording::{Butterworth, ChannelReport, LowPass, Preparation, Prepare
 pub const COLUMNS: [(&str, Role, f64); 4] = [
     ("force_N", Role::Force, 0.02),
     ("key_m", Role::Position, 10e-6),
-    ("hammer_head_m", Role::HammerHead, 50e-6),
-    ("hammer_head_m_per_s", Role::HammerSpeed, 0.02),
+    ("hammer_rise_m", Role::HammerHead, 50e-6),
+    ("hammer_rise_m_per_s", Role::HammerSpeed, 0.02),
 ];
 /// Display unit for misfit and noise of a column, and its factor from SI.
 pub fn misfit_unit(column: &str) -> (f64, &'static str) {
@@ -245,7 +245,7 @@ fn at(series: &Series, column: &str, times: &[f64]) -> Vec<f64> {
             .as_ref()
             .map_or_else(Vec::new, |force| times.iter().map(|t| force.at(*t, &mut cursor)).collect()),
         "key_m" => path(&series.position, &mut cursor),
-        "hammer_head_m_per_s" => series
+        "hammer_rise_m_per_s" => series
             .hammer_speed
             .as_ref()
             .map_or_else(Vec::new, |speed| times.iter().map(|t| speed.at(*t, &mut cursor)).collect()),
@@ -280,7 +280,7 @@ mod tests {
     fn table(rows: usize, dt_s: f64) -> String {
         let rows =
             (0..rows).map(|n| format!("{},{},{},{}\n", n as f64 * dt_s, 2 + n % 2, 1e-5 * n as f64, 2e-5 * n as f64));
-        format!("time_s,force_N,key_m,hammer_head_m\n{}", rows.collect::<String>())
+        format!("time_s,force_N,key_m,hammer_rise_m\n{}", rows.collect::<String>())
     }
 
     /// The force drives, the other columns are compared at the recording's own instants, at most at 4 kHz, in steps
@@ -290,7 +290,7 @@ mod tests {
         let own = data(&table(101, 1.0 / 1024.0), None, None).unwrap();
         assert_eq!(
             (own.driving, &own.columns[..], own.rows(), own.every),
-            ("force_N", &["key_m", "hammer_head_m"][..], 101, 20)
+            ("force_N", &["key_m", "hammer_rise_m"][..], 101, 20)
         );
         assert!((own.measured[1][50] - 1e-3).abs() < 1e-9 && (own.time_s[100] - 100.0 / 1024.0).abs() < 1e-12);
         let fine = data(&table(1001, 1.0 / 8192.0), None, None).unwrap();
@@ -300,7 +300,7 @@ mod tests {
         let rigid = data(&table(101, 1.0 / 1024.0), Some(Prescribed::Rigid), None).unwrap();
         assert_eq!(
             (rigid.driving, &rigid.columns[..], rigid.compared.clone()),
-            ("key_m", &["force_N", "hammer_head_m"][..], 10..91)
+            ("key_m", &["force_N", "hammer_rise_m"][..], 10..91)
         );
     }
 

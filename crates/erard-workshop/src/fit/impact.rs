@@ -17,7 +17,7 @@ impl Data {
     pub(super) fn recorded_impact_s(&self) -> Option<f64> {
         let series = &self.prepared.series;
         if let Some(path) = &series.hammer_head {
-            let noise = self.noise("hammer_head_m").unwrap_or(0.0);
+            let noise = self.noise("hammer_rise_m").unwrap_or(0.0);
             return thrown_back_s(path.times_s(), path.positions_m(), noise);
         }
         // The noise of the integrated speed is small.

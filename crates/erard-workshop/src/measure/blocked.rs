@@ -43,7 +43,7 @@ pub struct BlockedRow {
 /// # Errors
 /// If parts are missing, there is no gravity, the key has no equilibrium, or the work is interrupted.
 pub(crate) fn blocked(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Vec<BlockedRow>, MeasureError> {
-    if instrument.gravity_m_s2 <= 0.0 {
+    if instrument.gravity_m_per_s2 <= 0.0 {
         return Err(NotAnAction::Weightless.into());
     }
     let anatomy = Anatomy::find(instrument)?;
@@ -52,7 +52,7 @@ pub(crate) fn blocked(instrument: &Instrument, progress: &mut Progress<'_>) -> R
     let mut action = Action::with(&held, Settings::new(STEP_S))?;
     let (mut rows, mut before_n, mut zero) = (Vec::new(), 0.0, None);
     for (index, weight_g) in WEIGHTS_G.into_iter().enumerate() {
-        let weight_n = weight_g * 1e-3 * instrument.gravity_m_s2;
+        let weight_n = weight_g * 1e-3 * instrument.gravity_m_per_s2;
         for step in 0..(READ_S / STEP_S) as u32 {
             let laid = (f64::from(step) * STEP_S / LAID_S).min(1.0);
             action.step(Input::Force(before_n + (weight_n - before_n) * laid));
@@ -97,7 +97,7 @@ fn capstan(instrument: &Instrument, anatomy: &Anatomy) -> Option<(usize, Vec2)> 
 fn with_a_bar(instrument: &Instrument, anatomy: &Anatomy) -> Result<Instrument, MeasureError> {
     let rest = Action::with(instrument, Settings::new(STEP_S))?;
     let blow_m = -rest.mechanism().compression(anatomy.string);
-    let head_m = instrument.roles.hammer_head_m;
+    let head_m = instrument.roles.hammer_strike_point_m;
     let [x, y] = rest.point(Some(anatomy.hammer), head_m);
     let mut held = instrument.clone();
     held.edit(|held| {
@@ -137,7 +137,7 @@ mod tests {
         };
         let (stiff, soft) = (with_heel(K), with_heel(0.5 * K));
         let leverage = 1.0 / crate::measure::weights::on_the_scale(&grand, 6e-3, [1e-3, 5e-3]).unwrap().0.key_ratio;
-        let newton = (stiff.weight_g - WEIGHTS_G[0]) * 1e-3 * grand.gravity_m_s2;
+        let newton = (stiff.weight_g - WEIGHTS_G[0]) * 1e-3 * grand.gravity_m_per_s2;
         let back_mm = leverage * newton * (1.0 / (0.5 * K) - 1.0 / K) * 1e3;
         let (front, back) = (soft.front_mm - stiff.front_mm, soft.back_mm.unwrap() - stiff.back_mm.unwrap());
         println!("front {front} mm, {} expected; capstan {back} mm, {back_mm} expected", leverage * back_mm);

@@ -60,7 +60,7 @@ pub struct SoftFlight {
     pub flight_m: f64,
     /// Duration of the flight, s.
     pub flight_s: f64,
-    /// Hammer speed that a fall through that distance would give: sqrt(2 a d), m/s; see `fall_m_s2`.
+    /// Hammer speed that a fall through that distance would give: sqrt(2 a d), m/s; see `fall_m_per_s2`.
     pub fall_speed_m_per_s: f64,
 }
 
@@ -80,9 +80,9 @@ pub const MIDI_MAP: &str = "MIDI velocity = 52 + 25 log2(hammer speed in m/s), G
 /// Deceleration of the strike point in free rise with the shank level, along its arc, m/s2: moments of weight and pivot
 /// friction over the inertia about the pin. The hammer is one rigid body ([`Instrument::locked`]).
 #[must_use]
-pub(crate) fn fall_m_s2(instrument: &Instrument, hammer: usize) -> f64 {
+pub(crate) fn fall_m_per_s2(instrument: &Instrument, hammer: usize) -> f64 {
     let body = &instrument.bodies[hammer];
-    let [along, above] = instrument.roles.hammer_head_m;
+    let [along, above] = instrument.roles.hammer_strike_point_m;
     falling_moment_n_m(instrument, hammer) / body.inertia_kg_m2 * along.hypot(above)
 }
 
@@ -145,8 +145,8 @@ pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<O
     let row = |t: f64| run.time_s.partition_point(|&time| time < t).min(run.time_s.len() - 1);
     let rigid = instrument.locked();
     let rigid_hammer = Parts::of(&rigid)?.hammer;
-    let [along, above] = rigid.roles.hammer_head_m;
-    let flight_m = run.hammer_head_m[row(contact)] - run.hammer_head_m[row(off)];
+    let [along, above] = rigid.roles.hammer_strike_point_m;
+    let flight_m = run.hammer_rise_m[row(contact)] - run.hammer_rise_m[row(off)];
     // The head moves along its part's arc about the centre pin; its rocking on a bending shank is not part of its
     // flight.
     let rate = run.bodies[instrument.first_piece(parts.hammer)].rate_rad_per_s[row(off)];
@@ -154,7 +154,7 @@ pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<O
         let_off_speed_m_per_s: rate.abs() * along.hypot(above),
         flight_m,
         flight_s: contact - off,
-        fall_speed_m_per_s: (2.0 * fall_m_s2(&rigid, rigid_hammer) * flight_m.max(0.0)).sqrt(),
+        fall_speed_m_per_s: (2.0 * fall_m_per_s2(&rigid, rigid_hammer) * flight_m.max(0.0)).sqrt(),
     };
     Ok(Some(Softest { force_n: high, flight: Some(flight) }))
 }

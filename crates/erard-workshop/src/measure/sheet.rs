@@ -211,7 +211,7 @@ impl Results {
             .touch
             .as_ref()
             .zip(way)
-            .and_then(|(touch, way)| touch.balance_weight_at(0.5 * way.end_m, instrument.gravity_m_s2));
+            .and_then(|(touch, way)| touch.balance_weight_at(0.5 * way.end_m, instrument.gravity_m_per_s2));
         let part = |of: fn(&PartWeights) -> f64| self.scale.as_ref().map_or(NONE, |(parts, _)| of(parts));
         let ratio = |of: fn(&StrikeRatio) -> f64| self.scale.as_ref().map_or(NONE, |(_, ratio)| of(ratio));
         let by_weights =

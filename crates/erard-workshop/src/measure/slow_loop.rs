@@ -67,7 +67,7 @@ pub fn slow_loop(instrument: &Instrument, depth_m: f64, progress: &mut Progress<
         SlowWay {
             key_m: run.key_m[rows.clone()].to_vec(),
             force_n: run.force_n[rows.clone()].to_vec(),
-            head_m: run.hammer_head_m.get(rows).unwrap_or_default().to_vec(),
+            head_m: run.hammer_rise_m.get(rows).unwrap_or_default().to_vec(),
         }
     };
     Ok(SlowLoop {

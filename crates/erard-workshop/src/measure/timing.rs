@@ -94,7 +94,7 @@ pub(crate) fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Re
                 nuance,
                 touch,
                 peak_force_n: run.peak_force_n,
-                flights: flights(&run.time_s, &run.hammer_head_m, &run.events),
+                flights: flights(&run.time_s, &run.hammer_rise_m, &run.events),
                 events: run.events,
                 warnings: run.warnings,
             });

@@ -70,9 +70,9 @@ pub struct KeyWeights {
 impl KeyWeights {
     /// Mean of the slow loop's two forces at one place, g.
     #[must_use]
-    pub fn balance_weight_at(&self, key_m: f64, gravity_m_s2: f64) -> Option<f64> {
+    pub fn balance_weight_at(&self, key_m: f64, gravity_m_per_s2: f64) -> Option<f64> {
         let force = 0.5 * (self.slow.down.force(key_m)? + self.slow.up.force(key_m)?);
-        Some(force / gravity_m_s2 * G_PER_KG)
+        Some(force / gravity_m_per_s2 * G_PER_KG)
     }
 }
 
@@ -199,11 +199,11 @@ pub(crate) fn by_loop(
     way_m: f64,
     progress: &mut Progress<'_>,
 ) -> Result<LoopWeights, MeasureError> {
-    if instrument.gravity_m_s2 <= 0.0 {
+    if instrument.gravity_m_per_s2 <= 0.0 {
         return Err(NotAnAction::Weightless.into());
     }
     let turn_m = way_m - BEFORE_LET_OFF_M;
-    let grams = |force: f64| force / instrument.gravity_m_s2 * G_PER_KG;
+    let grams = |force: f64| force / instrument.gravity_m_per_s2 * G_PER_KG;
     // The loop turns a little deeper than the weights are let go, because friction reverses at its turning point.
     let slow = slow_loop(instrument, way_m, progress)?;
     let hardest = slow.down.smoothed(0.0, turn_m).max_by(|a, b| a.1.total_cmp(&b.1));
@@ -227,7 +227,7 @@ pub fn on_the_key(
 ) -> Result<KeyWeights, MeasureError> {
     let LoopWeights { touch: by_loop, decided_m, slow } = by_loop(instrument, way_m, progress)?;
     let turn_m = way_m - BEFORE_LET_OFF_M;
-    let gram_n = instrument.gravity_m_s2 / G_PER_KG;
+    let gram_n = instrument.gravity_m_per_s2 / G_PER_KG;
     let grams = |force: Option<f64>| force.map(|force| force / gram_n);
     let [down_n, up_n] = [by_loop.down_weight_g, by_loop.up_weight_g].map(|weight| weight.map(|g| g * gram_n));
     let by_weights = Touch {
@@ -259,8 +259,9 @@ pub fn on_the_scale(
         key_ratio: levers.capstan_m / key_front_m,
     };
     // A mass at the strike weight's place: at the hammer's arm with the shank level.
-    let mut ratio =
-        |key_m: f64| levers.ratios(key_m).map(|[_, hammer]| hammer * instrument.roles.hammer_head_m[0] / key_front_m);
+    let mut ratio = |key_m: f64| {
+        levers.ratios(key_m).map(|[_, hammer]| hammer * instrument.roles.hammer_strike_point_m[0] / key_front_m)
+    };
     let ratios = StrikeRatio {
         where_weighed: 0.5 * (ratio(decided_m[0])? + ratio(decided_m[1])?),
         at_rest: ratio(0.0)?,

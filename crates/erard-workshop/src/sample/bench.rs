@@ -169,7 +169,7 @@ impl Aim {
         // The pins belong to the piece on the ground.
         let pinned = key.parent.map_or(key, |under| &instrument.bodies[under]);
         let old = pinned.friction_torque_n_m;
-        let torque = old + 1e-6 * (wanted_g - friction_g) * front_mm * instrument.gravity_m_s2;
+        let torque = old + 1e-6 * (wanted_g - friction_g) * front_mm * instrument.gravity_m_per_s2;
         let lead_g = (balance_g - aim_g) * front_mm / LEADS_AT_MM;
         if torque < LEAST_FRICTION * old || !(LEADS_G[0]..=LEADS_G[1]).contains(&lead_g) {
             return Err(Unfit::Implausible);

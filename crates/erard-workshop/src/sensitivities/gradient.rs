@@ -141,7 +141,7 @@ fn collected(found: &Passes, by: Vec<Variable>, how: &Differentiation) -> Gradie
     });
     let of = of.collect();
     let count = first.map_or(0, |one| one.samples.len());
-    let sampled = ["key_m", "hammer_head_m", "force_N"].into_iter().enumerate().map(|(column, name)| Sampled {
+    let sampled = ["key_m", "hammer_rise_m", "force_N"].into_iter().enumerate().map(|(column, name)| Sampled {
         name,
         values: first.map_or_else(Vec::new, |one| one.samples.iter().map(|row| row[column].value).collect()),
         slopes: (0..by.len())

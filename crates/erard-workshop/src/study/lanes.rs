@@ -241,15 +241,15 @@ impl<'a> Lane<'a> {
             return;
         }
         let Rest { site_m, head_m } = Rest::of(self.player.instrument, self.observer.as_ref());
-        let hammer_m = head_m - self.rest.head_m;
+        let hammer_rise_m = head_m - self.rest.head_m;
         self.detector.observe(
             time_s,
             site_m - self.rest.site_m,
-            hammer_m,
+            hammer_rise_m,
             self.observer.impact(),
             self.observer.as_ref(),
         );
-        self.highest_m = self.highest_m.max(hammer_m);
+        self.highest_m = self.highest_m.max(hammer_rise_m);
     }
 
     /// Takes a row of samples at the last observed pose.
@@ -263,7 +263,7 @@ impl<'a> Lane<'a> {
         let roles = &self.player.instrument.roles;
         let head_m_per_s = match roles.hammer.filter(|_| sampled.has_speed()) {
             Some(hammer) => {
-                let up = self.observer.velocity_row(hammer, roles.hammer_head_m, [0.0, 1.0]);
+                let up = self.observer.velocity_row(hammer, roles.hammer_strike_point_m, [0.0, 1.0]);
                 up.iter().zip(velocities).map(|(row, velocity)| row * velocity).sum()
             }
             None => 0.0,

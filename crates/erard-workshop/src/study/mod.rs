@@ -185,7 +185,7 @@ fn play_alone(
             Err(SimulationError::Interrupted) => Err(SimulationError::Interrupted),
             played => Ok(played.map(|run| Played {
                 samples: sampling.map(|sampling| sampling.of_run(&run)).unwrap_or_default(),
-                highest_m: run.hammer_head_m.iter().fold(0.0, |a: f64, b| a.max(*b)),
+                highest_m: run.hammer_rise_m.iter().fold(0.0, |a: f64, b| a.max(*b)),
                 events: run.events,
                 unconverged_steps: run.work.unconverged_steps,
                 energy_residual: run.ledger.as_ref().map(energy_residual),

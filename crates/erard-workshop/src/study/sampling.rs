@@ -34,7 +34,7 @@ enum Column {
 }
 
 const FORCE: usize = 0;
-const TRAVELS: [&str; 4] = ["force_N", "key_m", "hammer_head_m", "hammer_head_m_per_s"];
+const TRAVELS: [&str; 4] = ["force_N", "key_m", "hammer_rise_m", "hammer_rise_m_per_s"];
 const HEAD: [usize; 2] = [2, 3];
 
 impl Sampling {

@@ -223,7 +223,7 @@ fn hammer(instrument: &mut Instrument, by_g: f64) -> Result<(), MeasureError> {
     };
     let before = weighed(instrument)?;
     let height_m = instrument.bodies[parts.hammer].center_of_mass_m[1];
-    add_mass(instrument, parts.hammer, 1e-3 * by_g, [instrument.roles.hammer_head_m[0], height_m])?;
+    add_mass(instrument, parts.hammer, 1e-3 * by_g, [instrument.roles.hammer_strike_point_m[0], height_m])?;
     debug_assert!((weighed(instrument)? - before - by_g).abs() < 1e-6);
     Ok(())
 }

@@ -33,7 +33,7 @@ fn measured(grand: &Instrument, duration_s: f64, noise_m: f64) -> Series {
         force: Some(ForceSeries::new(run.time_s.clone(), force).unwrap()),
         position: Some(PositionSeries::new(run.time_s.clone(), position).unwrap()),
         hammer_speed: None,
-        hammer_head: Some(PositionSeries::new(run.time_s.clone(), run.hammer_head_m.clone()).unwrap()),
+        hammer_head: Some(PositionSeries::new(run.time_s.clone(), run.hammer_rise_m.clone()).unwrap()),
     }
 }
 

@@ -125,7 +125,7 @@ fn assert_sound(instrument: &Instrument) {
     let finite = |numbers: &[f64]| assert!(numbers.iter().all(|x| x.is_finite()), "{instrument:?}");
     let bodies = instrument.bodies.len();
     assert!((1..=12).contains(&bodies) && instrument.zones.len() <= 32);
-    finite(&[instrument.gravity_m_s2, instrument.finger.stiffness_n_per_m, instrument.finger.damping_n_s_per_m]);
+    finite(&[instrument.gravity_m_per_s2, instrument.finger.stiffness_n_per_m, instrument.finger.damping_n_s_per_m]);
     for (index, body) in instrument.bodies.iter().enumerate() {
         assert!(body.parent.is_none_or(|parent| parent < index));
         assert!(instrument.bodies[..index].iter().all(|other| other.name != body.name));

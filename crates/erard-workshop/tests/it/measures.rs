@@ -155,7 +155,7 @@ fn the_concert_grand_is_within_the_norms() {
     within("R by kinematics", kinematics, 5.0, 6.1);
     near("R by weights over R by kinematics", weights / kinematics, 1.0, 0.02);
     // At one place, friction cancels between the two directions, whatever its size.
-    let half_way = w.pedal_down.balance_weight_at(0.5 * w.free_way.end_m, grand.gravity_m_s2).unwrap();
+    let half_way = w.pedal_down.balance_weight_at(0.5 * w.free_way.end_m, grand.gravity_m_per_s2).unwrap();
     let ratio = w.parts.strike_weight_ratio(half_way).unwrap() / w.strike_ratio.half_way;
     near("R by weights over R by kinematics, half-way", ratio, 1.0, 0.01);
     within("effective inertia", effective_kg(&grand, w), 0.2, 0.35);
@@ -172,7 +172,7 @@ fn the_parts_weigh_what_they_are() {
     let front = key.mass_kg * 1e3 * key.center_of_mass_m[0] / grand.roles.key_front_m[0];
     near("front weight", parts.front_weight_g, front, 1e-3);
     let hammer = &grand.bodies[body(&grand, "hammer")];
-    let strike = hammer.mass_kg * 1e3 * hammer.center_of_mass_m[0] / grand.roles.hammer_head_m[0];
+    let strike = hammer.mass_kg * 1e3 * hammer.center_of_mass_m[0] / grand.roles.hammer_strike_point_m[0];
     near("strike weight", parts.strike_weight_g, strike, 1e-9);
     let x = |name: &str| {
         let b = &grand.bodies[body(&grand, name)];
@@ -289,7 +289,7 @@ fn friction_raises_one_weight_and_lowers_the_other_by_the_same() {
     let key = body(&grand, "key");
     tight.edit(|fields| fields.bodies[key].friction_torque_n_m += 5e-3).unwrap();
     let (before, after) = (grand_weighed(), weighed(&tight));
-    let grams = 5e-3 / 0.265 / grand.gravity_m_s2 * 1e3;
+    let grams = 5e-3 / 0.265 / grand.gravity_m_per_s2 * 1e3;
     near("down-weight", down(&after) - down(before), grams, SCALE_G);
     near("up-weight", up(before) - up(&after), grams, SCALE_G);
     near("balance weight", balance(&after), balance(before), SCALE_G);
@@ -307,10 +307,10 @@ fn dampers_down_are_heavier() {
     let with = w.dampers_down.as_ref().unwrap();
     let at = w.free_way.end_m - 0.3e-3;
     let force = |key: &erard_workshop::measure::weights::KeyWeights| {
-        key.slow.down.force(at).unwrap() / grand.gravity_m_s2 * 1e3
+        key.slow.down.force(at).unwrap() / grand.gravity_m_per_s2 * 1e3
     };
     // Its pin's friction, 1 mN m, acts against the press.
-    let weight = (34e-3 * 36e-3 * grand.gravity_m_s2 + 1e-3) / 65e-3 * 235.0 / 265.0 / grand.gravity_m_s2 * 1e3;
+    let weight = (34e-3 * 36e-3 * grand.gravity_m_per_s2 + 1e-3) / 65e-3 * 235.0 / 265.0 / grand.gravity_m_per_s2 * 1e3;
     near("the damper at the key", force(with) - force(&w.pedal_down), weight, 0.05 * weight);
     assert!(with.by_weights.down_weight_g.unwrap() > down(w) + 5.0);
 }
@@ -479,7 +479,7 @@ fn what_cannot_be_measured_is_said() {
     let error = measure(&no_hammer, &mut |_| true).unwrap_err().to_string();
     assert!(error.contains("names no `hammer`"), "{error}");
     let mut floating = rigid_grand();
-    floating.edit(|fields| fields.gravity_m_s2 = 0.0).unwrap();
+    floating.edit(|fields| fields.gravity_m_per_s2 = 0.0).unwrap();
     assert!(measure(&floating, &mut |_| true).is_err());
     assert!(measure(&rigid_grand(), &mut |_| false).unwrap_err().is_interruption());
 }

@@ -221,7 +221,7 @@ fn energy_j(instrument: &Instrument, run: &Run, row: usize) -> f64 {
         let v = [velocity[0] - w * y, velocity[1] + w * x];
         let own = body.inertia_kg_m2 - body.mass_kg * (x * x + y * y);
         energy += 0.5 * body.mass_kg * (v[0] * v[0] + v[1] * v[1]) + 0.5 * own * w * w;
-        energy += body.mass_kg * instrument.gravity_m_s2 * (place[1] + y);
+        energy += body.mass_kg * instrument.gravity_m_per_s2 * (place[1] + y);
     }
     for spring in &instrument.springs {
         let parent = instrument.bodies[spring.body].parent;
@@ -240,7 +240,7 @@ fn assert_sane(instrument: &Instrument, run: &Run) -> Fate {
         .iter()
         .flat_map(|b| [&b.angle_rad, &b.rate_rad_per_s])
         .chain(run.zones.iter().flat_map(|z| [&z.normal_n, &z.tangential_n]))
-        .chain([&run.time_s, &run.force_n, &run.key_m, &run.hammer_head_m]);
+        .chain([&run.time_s, &run.force_n, &run.key_m, &run.hammer_rise_m]);
     for values in series {
         assert!(values.iter().all(|x| x.is_finite()), "a series is not finite");
         assert!(values.is_empty() || values.len() == rows, "series differ in length");

@@ -36,8 +36,8 @@ fn led(instrument: &Instrument, stroke: &str, low_pass_hz: f64) -> Comparison {
 /// Measured and simulated rise of the hammer, mm.
 fn hammers(comparison: &Comparison) -> [Vec<f64>; 2] {
     let trial = comparison.trial(Prescribed::Rigid, Which::Action).unwrap();
-    let measured = comparison.measured_hammer_m.as_ref().unwrap();
-    [measured, &trial.hammer_m].map(|metres| metres.iter().map(|rise| 1e3 * rise).collect())
+    let measured = comparison.measured_hammer_rise_m.as_ref().unwrap();
+    [measured, &trial.hammer_rise_m].map(|metres| metres.iter().map(|rise| 1e3 * rise).collect())
 }
 
 /// Time at which a series first reaches a value, ms.

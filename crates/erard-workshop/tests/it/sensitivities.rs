@@ -248,7 +248,7 @@ fn columns_have_derivatives() {
         let (low, high) = (at(-by), at(by));
         for (column, of) in found.sampled.iter().zip([
             &|run: &erard::Run| run.key_m.clone(),
-            &|run: &erard::Run| run.hammer_head_m.clone(),
+            &|run: &erard::Run| run.hammer_rise_m.clone(),
             &|run: &erard::Run| run.force_n.clone(),
         ] as [&dyn Fn(&erard::Run) -> Vec<f64>; 3])
         {

@@ -176,7 +176,7 @@ fn compare(lanes: Lanes, plan: &[(usize, usize, f64)], runs: &[Run]) -> Apart {
     let (mut apart, mut strikes, mut checks) = (Apart { seconds: 0.0, speed: 0.0, rise_m: 0.0 }, 0, 0);
     for ((&(instrument, kind, strength), played), run) in plan.iter().zip(&together).zip(runs) {
         assert_eq!(played.unconverged_steps, run.work.unconverged_steps);
-        let highest = run.hammer_head_m.iter().fold(0.0_f64, |a, b| a.max(*b));
+        let highest = run.hammer_rise_m.iter().fold(0.0_f64, |a, b| a.max(*b));
         apart.rise_m = apart.rise_m.max((played.highest_m - highest).abs());
         let (a, b) = (&played.events, &run.events);
         assert_eq!(a.impacts.len(), b.impacts.len(), "{instrument} {kind} {strength}");
@@ -285,9 +285,9 @@ fn nothing_to_do_a_wrong_setup_and_an_interruption() {
 fn samples_are_the_rows_of_the_run() {
     let every = 20;
     for (kind, columns) in [
-        (0, &["force_N", "key_m", "hammer_head_m", "hammer_rad", "key_rad_per_s"][..]),
+        (0, &["force_N", "key_m", "hammer_rise_m", "hammer_rad", "key_rad_per_s"][..]),
         (1, &["key_m", "force_N", "string_N"]),
-        (3, &["hammer_head_m", "hammer_head_m_per_s", "hammer_rad_per_s"]),
+        (3, &["hammer_rise_m", "hammer_rise_m_per_s", "hammer_rad_per_s"]),
     ] {
         let instruments = [grand(), Instrument::builtin("steinway-o").expect("built in")];
         let plan = [(0, kind, 5.0), (1, kind, 6.0), (0, kind, 4.0)];
@@ -318,7 +318,7 @@ fn samples_are_the_rows_of_the_run() {
         }
     }
     let unknown = Sampling::of(&grand(), &["hammer_mm"], 1).unwrap_err().to_string();
-    assert!(unknown.contains("`hammer_mm`") && unknown.contains("hammer_head_m"), "{unknown}");
+    assert!(unknown.contains("`hammer_mm`") && unknown.contains("hammer_rise_m"), "{unknown}");
 }
 
 /// Combinations come in the order of the axes, the last fastest; some of them are those of all, to the bit; a variant

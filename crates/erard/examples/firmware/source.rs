@@ -33,7 +33,7 @@ fn source(name: &str, instrument: &Instrument) -> String {
         mechanism.gravity,
         rest.angles(),
         instrument.roles.hammer.expect("a hammer"),
-        instrument.roles.hammer_head_m,
+        instrument.roles.hammer_strike_point_m,
         instrument.roles.string.expect("a string"),
         damper_height_m(instrument).expect("a grand").expect("a damper"),
     );

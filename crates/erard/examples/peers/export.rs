@@ -39,7 +39,7 @@ pub fn mechanism<const B: usize, const Z: usize, const N: usize>(
     let document = json!({
         "format": "erard-mechanism/2",
         "instrument": instrument.name,
-        "gravity_m_s2": instrument.gravity_m_s2,
+        "gravity_m_s2": instrument.gravity_m_per_s2,
         "bodies": bodies(instrument, &action.rest),
         "springs": springs(instrument),
         "zones": zones(instrument),

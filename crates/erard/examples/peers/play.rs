@@ -406,13 +406,13 @@ fn strike(instrument: &Instrument) -> Result<(Strike, Vec<Link>), Box<dyn std::e
     };
     let direction = normal.map(|n| -n);
     let meets_m = point_m[0] * direction[0] + point_m[1] * direction[1];
-    let (mut links, mut arm_m, mut carrier) = (Vec::new(), roles.hammer_head_m, Some(body));
+    let (mut links, mut arm_m, mut carrier) = (Vec::new(), roles.hammer_strike_point_m, Some(body));
     while let Some(body) = carrier {
         links.push(Link { body, arm_m });
         (arm_m, carrier) = (instrument.bodies[body].pivot_m, instrument.bodies[body].parent);
     }
     let pin_m = arm_m[0] * direction[0] + arm_m[1] * direction[1];
-    let [x, y] = instrument.on_first_piece(body).to_world(roles.hammer_head_m);
-    let strike = Strike { body, point_m: roles.hammer_head_m, direction, meets_m, pin_m, radius_m: x.hypot(y) };
+    let [x, y] = instrument.on_first_piece(body).to_world(roles.hammer_strike_point_m);
+    let strike = Strike { body, point_m: roles.hammer_strike_point_m, direction, meets_m, pin_m, radius_m: x.hypot(y) };
     Ok((strike, links))
 }

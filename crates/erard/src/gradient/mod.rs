@@ -128,7 +128,7 @@ impl Direction {
         }
         let slope = |(x, y): (&f64, &f64)| (y - x) / apart;
         let numbers = x.iter().zip(&y).map(slope).collect();
-        let [p, q] = [low, high].map(|one| one.roles.hammer_head_m);
+        let [p, q] = [low, high].map(|one| one.roles.hammer_strike_point_m);
         Ok(Direction { numbers, head: [slope((&p[0], &q[0])), slope((&p[1], &q[1]))], force: 0.0, moves: None })
     }
 
@@ -228,7 +228,7 @@ pub fn follow(
     }
     let description = describe::<f64>(instrument);
     let mut slopes = vec![[0.0; DIRECTIONS]; description.numbers().len()];
-    let (mut head, mut force) = (instrument.roles.hammer_head_m.map(Number::constant), [0.0; DIRECTIONS]);
+    let (mut head, mut force) = (instrument.roles.hammer_strike_point_m.map(Number::constant), [0.0; DIRECTIONS]);
     for (d, direction) in directions.iter().enumerate() {
         for (all, one) in slopes.iter_mut().zip(&direction.numbers) {
             all[d] = *one;
@@ -254,8 +254,8 @@ pub fn follow(
     let h = settings.step;
     watch.observe(setup.start_s, &setup.settings, mechanism.as_ref());
     let sample = |watch: &DualEventDetector, mechanism: &dyn Tangents, time_s: f64| {
-        let [key_m, hammer_m] = watch.travels(mechanism);
-        [key_m, hammer_m, rest.force(drive, time_s, mechanism)]
+        let [key_m, hammer_rise_m] = watch.travels(mechanism);
+        [key_m, hammer_rise_m, rest.force(drive, time_s, mechanism)]
     };
     let first = sample_every.map(|_| sample(&watch, mechanism.as_ref(), setup.start_s));
     let mut samples: Vec<[Number; 3]> = first.into_iter().collect();

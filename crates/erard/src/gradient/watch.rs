@@ -124,8 +124,9 @@ impl DualEventDetector {
 
     /// Key travel and rise of the strike point now, m.
     pub(crate) fn travels(&self, m: &dyn Tangents) -> [Number; 2] {
-        let hammer_m = self.roles.hammer.map_or(Number::ZERO, |hammer| m.motion(hammer, self.head)[0][1] - self.head_m);
-        [m.site_position() - self.site_m, hammer_m]
+        let hammer_rise_m =
+            self.roles.hammer.map_or(Number::ZERO, |hammer| m.motion(hammer, self.head)[0][1] - self.head_m);
+        [m.site_position() - self.site_m, hammer_rise_m]
     }
 
     /// After every step, and before the first.
@@ -156,14 +157,14 @@ impl DualEventDetector {
         let mut impact = None;
         if let Some(hammer) = roles.hammer {
             let [place, velocity] = m.motion(hammer, self.head);
-            let hammer_m = (place[1] - self.head_m).value;
+            let hammer_rise_m = (place[1] - self.head_m).value;
             if let Some(string) = compression(roles.string) {
                 let speed = Real::sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1]);
                 let sample = [Number::constant(time_s), string, speed];
                 impact = self.impact(&sample);
                 self.flight = [self.flight[1], Some(sample)];
             }
-            self.compare(&now, hammer_m, impact);
+            self.compare(&now, hammer_rise_m, impact);
         } else {
             self.compare(&now, 0.0, None);
         }
@@ -182,7 +183,7 @@ impl DualEventDetector {
         })
     }
 
-    fn compare(&mut self, now: &Sample, hammer_m: f64, impact: Option<[Number; 2]>) {
+    fn compare(&mut self, now: &Sample, hammer_rise_m: f64, impact: Option<[Number; 2]>) {
         let Some(before) = self.before else { return };
         let instants = &mut self.instants;
         let first = |event: &mut Option<Number>, at: Option<Number>| *event = event.or(at);
@@ -198,8 +199,8 @@ impl DualEventDetector {
             self.released_s = Some(end_of_push(older, last, now.push.0, self.parted_s));
         }
         self.pushes = [last, now.push];
-        if hammer_m > self.highest_m {
-            self.highest_m = hammer_m;
+        if hammer_rise_m > self.highest_m {
+            self.highest_m = hammer_rise_m;
             self.released_at_apex_s = self.released_s;
         }
         if let Some([time_s, speed_m_per_s]) = impact.filter(|_| instants.hammer_contact_s.is_none()) {

@@ -20,7 +20,7 @@ pub fn front_weight_g(instrument: &Instrument, parts: &Parts, front_m: f64) -> f
 pub fn strike_weight_g(instrument: &Instrument, parts: &Parts) -> f64 {
     let hammer = &instrument.bodies[parts.hammer];
     // The hammer's own frame lies along the shank.
-    G_PER_KG * hammer.mass_kg * hammer.center_of_mass_m[0] / instrument.roles.hammer_head_m[0]
+    G_PER_KG * hammer.mass_kg * hammer.center_of_mass_m[0] / instrument.roles.hammer_strike_point_m[0]
 }
 
 /// Moment about its pin of a part's weight and the pin's dry friction, that slows the part down while it rises with its
@@ -28,7 +28,7 @@ pub fn strike_weight_g(instrument: &Instrument, parts: &Parts) -> f64 {
 #[must_use]
 pub fn falling_moment_n_m(instrument: &Instrument, body: usize) -> f64 {
     let body = &instrument.bodies[body];
-    body.mass_kg * instrument.gravity_m_s2 * body.center_of_mass_m[0] + body.friction_torque_n_m
+    body.mass_kg * instrument.gravity_m_per_s2 * body.center_of_mass_m[0] + body.friction_torque_n_m
 }
 
 /// The weight of the whippen, g, which a scale under the capstan's place shows: the whippen with all that rides on it,

@@ -82,7 +82,7 @@ impl Instrument {
         let on = |body: Option<usize>, point: Vec2| body.map_or(point, |body| rigid.placed[body].to_world(point));
         let fields = InstrumentFields {
             name: self.name.clone(),
-            gravity_m_s2: self.gravity_m_s2,
+            gravity_m_per_s2: self.gravity_m_per_s2,
             springs,
             zones: self.zones.iter().map(|zone| rigid.zone(zone)).collect(),
             strings: self.strings.clone(),
@@ -91,7 +91,7 @@ impl Instrument {
                 key: rigid.body(roles.key),
                 key_front_m: on(roles.key, roles.key_front_m),
                 hammer: rigid.body(roles.hammer),
-                hammer_head_m: on(roles.hammer, roles.hammer_head_m),
+                hammer_strike_point_m: on(roles.hammer, roles.hammer_strike_point_m),
                 ..roles.clone()
             },
             finger: self.finger,

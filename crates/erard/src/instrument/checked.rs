@@ -55,7 +55,7 @@ impl Instrument {
     pub fn without_outlines(&self) -> Self {
         let InstrumentFields {
             name,
-            gravity_m_s2,
+            gravity_m_per_s2,
             bodies,
             springs,
             zones,
@@ -69,7 +69,7 @@ impl Instrument {
         } = &self.fields;
         let fields = InstrumentFields {
             name: name.clone(),
-            gravity_m_s2: *gravity_m_s2,
+            gravity_m_per_s2: *gravity_m_per_s2,
             bodies: bodies.clone(),
             springs: springs.clone(),
             zones: zones.clone(),

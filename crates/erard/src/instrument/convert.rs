@@ -36,7 +36,7 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
     let mut reader = Reader::new(&file.sources);
     let fields = InstrumentFields {
         name: title(&file.name, "an instrument")?,
-        gravity_m_s2: reader.scalar(&file.gravity_m_s2, FileNumber::GRAVITY)?,
+        gravity_m_per_s2: reader.scalar(&file.gravity_m_per_s2, FileNumber::GRAVITY)?,
         bodies: Vec::new(),
         springs: Vec::new(),
         zones: Vec::new(),
@@ -437,7 +437,7 @@ fn read_roles(table: &At<RolesToml>, reader: &mut Reader<'_>, instrument: &Instr
         (_, Some(point)) => reader.point_m(point, FileNumber::KEY_FRONT)?,
         (None, None) => [0.0; 2],
     };
-    let hammer_head_m = match (&table.hammer, &table.hammer_head_mm) {
+    let hammer_strike_point_m = match (&table.hammer, &table.hammer_head_mm) {
         (Some(_), None) => {
             return Err(Fault::missing(table.span(), "hammer_head_mm", "the hammer's strike point"));
         }
@@ -449,7 +449,7 @@ fn read_roles(table: &At<RolesToml>, reader: &mut Reader<'_>, instrument: &Instr
         key_front_m,
         is_sharp: table.sharp,
         hammer,
-        hammer_head_m,
+        hammer_strike_point_m,
         key_bottom: zone(&table.key_bottom)?,
         string: zone(&table.string)?,
         rigid_string: table.rigid_string,

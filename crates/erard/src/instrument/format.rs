@@ -41,7 +41,7 @@ pub(crate) struct InstrumentToml {
     pub sample: Option<At<i64>>,
     /// Acceleration of gravity, m/s2; it acts downward.
     #[serde(rename = "gravity_m_s2")]
-    pub gravity_m_s2: Num<NonNegative>,
+    pub gravity_m_per_s2: Num<NonNegative>,
     /// The sources that numbers cite, by name.
     #[serde(default)]
     pub sources: BTreeMap<String, Source>,

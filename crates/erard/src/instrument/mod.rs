@@ -110,7 +110,7 @@ pub struct InstrumentFields {
     /// Name shown in summaries, e.g. `Concert grand, C4`.
     pub name: String,
     /// Gravity, m/s2, pointing toward -y.
-    pub gravity_m_s2: f64,
+    pub gravity_m_per_s2: f64,
     /// Bodies; a parent always precedes its children.
     pub bodies: Vec<Body>,
     /// Torsion springs between a body and the one that carries its hinge.
@@ -244,7 +244,7 @@ pub struct PianoString {
     /// Speaking length, m.
     pub length_m: f64,
     /// Mass per length, kg/m.
-    pub mass_kg_m: f64,
+    pub mass_kg_per_m: f64,
     /// Tension, N.
     pub tension_n: f64,
     /// Bending stiffness EI, N m2.
@@ -398,7 +398,7 @@ pub struct Roles {
     /// The hammer: the body whose strike point's speed is reported.
     pub hammer: Option<usize>,
     /// The strike point, in the hammer's frame, m.
-    pub hammer_head_m: Vec2,
+    pub hammer_strike_point_m: Vec2,
     /// Zone that stops the key at the bottom of its travel: the key front punching.
     pub key_bottom: Option<usize>,
     /// Zone between hammer and string.

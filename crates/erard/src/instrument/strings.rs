@@ -62,7 +62,7 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
     let diameter = table.diameter_mm.as_ref();
     let diameter_m =
         diameter.map(|mm| reader.scalar(mm, FileNumber::STRING_DIAMETER)).transpose()?.map(|mm| mm / MM_PER_M);
-    let mass_kg_m = match (&table.mass_g_per_m, diameter_m) {
+    let mass_kg_per_m = match (&table.mass_g_per_m, diameter_m) {
         (Some(mass), _) => reader.scalar(mass, FileNumber::STRING_MASS)? / G_PER_KG,
         (None, Some(d)) => STEEL_DENSITY_KG_M3 * std::f64::consts::FRAC_PI_4 * d * d,
         (None, None) => {
@@ -84,7 +84,7 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
     let (base_n, span) = match (&table.frequency_hz, &table.tension_n) {
         (Some(hz), None) => {
             let f = reader.scalar(hz, FileNumber::STRING_FREQUENCY)?;
-            let stiff_n = tension_for(f, length_m, mass_kg_m, bending);
+            let stiff_n = tension_for(f, length_m, mass_kg_per_m, bending);
             (inharmonicity.map_or(stiff_n, |b| stiff_n / (1.0 + b)), hz.value_span())
         }
         (None, Some(tension)) => (reader.scalar(tension, FileNumber::STRING_TENSION)?, tension.value_span()),
@@ -115,7 +115,7 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
     Ok(PianoString {
         name,
         length_m,
-        mass_kg_m,
+        mass_kg_per_m,
         tension_n,
         bending_n_m2,
         loss_per_s: reader.scalar(&table.loss_per_s, FileNumber::STRING_LOSS)?,

@@ -24,17 +24,17 @@ pub(crate) fn bending_stiffness(diameter_m: f64) -> f64 {
 
 /// Returns the tension, N, that gives the first partial of a string a frequency, Hz. It is not positive if the bending
 /// stiffness alone makes the frequency higher.
-pub(crate) fn tension_for(frequency_hz: f64, length_m: f64, mass_kg_m: f64, bending_n_m2: f64) -> f64 {
+pub(crate) fn tension_for(frequency_hz: f64, length_m: f64, mass_kg_per_m: f64, bending_n_m2: f64) -> f64 {
     let square = length_m * length_m;
     // f^2 = f0^2 (1 + B) = (T + pi^2 EI / L^2) / (4 mu L^2).
-    4.0 * mass_kg_m * square * frequency_hz * frequency_hz - PI * PI * bending_n_m2 / square
+    4.0 * mass_kg_per_m * square * frequency_hz * frequency_hz - PI * PI * bending_n_m2 / square
 }
 
 impl PianoString {
     /// Frequency f0 = sqrt(T/mu)/(2 L), Hz, of the first partial without bending stiffness.
     #[must_use]
     pub fn ideal_hz(&self) -> f64 {
-        (self.tension_n / self.mass_kg_m).sqrt() / (2.0 * self.length_m)
+        (self.tension_n / self.mass_kg_per_m).sqrt() / (2.0 * self.length_m)
     }
 
     /// Inharmonicity B of f_n = n f0 sqrt(1 + B n^2).
@@ -60,7 +60,7 @@ impl PianoString {
     /// Mass of a mode, kg.
     #[must_use]
     pub fn modal_mass_kg(&self) -> f64 {
-        0.5 * self.mass_kg_m * self.length_m
+        0.5 * self.mass_kg_per_m * self.length_m
     }
 
     /// Number of partials below a frequency, Hz.

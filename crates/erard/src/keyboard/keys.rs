@@ -236,7 +236,7 @@ impl Keys {
 
     /// Force of the finger on a key in the last step, N.
     #[must_use]
-    pub fn finger_force(&self, key: usize) -> f64 {
+    pub fn finger_force_n(&self, key: usize) -> f64 {
         self.output(key).drive_n
     }
 

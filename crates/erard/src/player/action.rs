@@ -63,11 +63,11 @@ pub struct Reading {
     /// Its speed, m/s.
     pub key_m_per_s: f64,
     /// Force of the finger on the key, N, which a haptic key renders.
-    pub finger_n: f64,
+    pub finger_force_n: f64,
     /// Rise of the hammer's strike point, m; 0 without a hammer.
-    pub hammer_m: f64,
+    pub hammer_rise_m: f64,
     /// Speed of the hammer's strike point, m/s.
-    pub hammer_m_per_s: f64,
+    pub hammer_rise_m_per_s: f64,
     /// Position of the hand ([`Input::Hand`]), m below the key front's rest; without a hand, the last one's.
     pub hand_m: f64,
     /// Its speed, m/s.
@@ -87,9 +87,9 @@ impl Reading {
         Reading {
             key_m: output.site_m - rest.site_m,
             key_m_per_s: output.site_m_per_s,
-            finger_n: output.drive_n,
-            hammer_m: output.point_m[1] - rest.head_m,
-            hammer_m_per_s: output.point_m_per_s[1],
+            finger_force_n: output.drive_n,
+            hammer_rise_m: output.point_m[1] - rest.head_m,
+            hammer_rise_m_per_s: output.point_m_per_s[1],
             hand_m: output.hand[0] - rest.site_m,
             hand_m_per_s: output.hand[1],
             string_n: output.zone_n,
@@ -487,9 +487,9 @@ impl Action {
     ///
     /// # Panics
     /// If there is no such body.
-    pub fn add_velocity(&mut self, body: usize, rad_s: f64) {
+    pub fn add_velocity(&mut self, body: usize, rad_per_s: f64) {
         let mut saved = self.mechanism.save();
-        saved.state.velocity[body] += rad_s;
+        saved.state.velocity[body] += rad_per_s;
         self.mechanism.restore(&saved);
     }
 

@@ -190,25 +190,25 @@ mod tests {
         let key = Instrument::parse(KEY, "key").unwrap();
         let mut action = Action::as_drawn(&key, Settings::new(h)).unwrap();
         action.place_hand(hand.start_m, hand.start_m_per_s);
-        let (mut key_m, mut finger_n) = (Vec::new(), Vec::new());
+        let (mut key_m, mut finger_force_n) = (Vec::new(), Vec::new());
         for n in 0..(seconds / h).round() as usize {
             let reading = action.step(hand.input(&stroke((n as f64 + 0.5) * h)).unwrap());
             key_m.push(reading.key_m);
-            finger_n.push(reading.finger_n);
+            finger_force_n.push(reading.finger_force_n);
         }
         let reading = action.reading();
-        (key_m, finger_n, [reading.hand_m, reading.hand_m_per_s])
+        (key_m, finger_force_n, [reading.hand_m, reading.hand_m_per_s])
     }
 
     /// The hand that the step eliminates moves the key as one does that is a body of the mechanism.
     #[test]
     fn it_is_a_body_of_its_own() {
         let hand = Hand::default();
-        let (key_m, finger_n, _) = pressed(hand, |_| Input::Force(0.6), 0.03);
+        let (key_m, finger_force_n, _) = pressed(hand, |_| Input::Force(0.6), 0.03);
         let both = Instrument::parse(&format!("{KEY}{WITH_A_BODY}"), "both").unwrap();
         let mut action = Action::as_drawn(&both, Settings::new(H_S)).unwrap();
         let (mut largest_m, mut off_m, mut largest_n, mut off_n): (f64, f64, f64, f64) = (0.0, 0.0, 0.0, 0.0);
-        for (a, force) in key_m.iter().zip(&finger_n) {
+        for (a, force) in key_m.iter().zip(&finger_force_n) {
             let b = action.step(Input::Free).key_m;
             (largest_m, off_m) = (largest_m.max(b.abs()), off_m.max((a - b).abs()));
             let other = action.contact_force(0);
@@ -224,9 +224,9 @@ mod tests {
     #[test]
     fn in_the_air_it_is_a_mass_on_muscle() {
         let hand = Hand { start_m: -0.5, start_m_per_s: 0.3, ..Hand::default() };
-        let (_, finger_n, [x, v]) = pressed(hand, |_| Input::Force(1.5), 0.1);
+        let (_, finger_force_n, [x, v]) = pressed(hand, |_| Input::Force(1.5), 0.1);
         let (t, a) = (0.1, 1.5 / 0.2);
-        assert!(finger_n.iter().all(|n| *n == 0.0));
+        assert!(finger_force_n.iter().all(|n| *n == 0.0));
         assert!((x - (-0.5 + 0.3 * t + 0.5 * a * t * t)).abs() < 1e-12 && (v - (0.3 + a * t)).abs() < 1e-12);
 
         let hand = Hand { start_m: -0.5, ..Hand::default() };

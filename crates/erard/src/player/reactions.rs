@@ -67,7 +67,7 @@ impl Reactions {
 
     /// Mean absolute angular acceleration of each body over the last step, rad/s2, counter-clockwise.
     #[must_use]
-    pub fn acceleration_rad_s2(&self) -> &[f64] {
+    pub fn acceleration_rad_per_s2(&self) -> &[f64] {
         &self.motion.acceleration
     }
 
@@ -114,7 +114,7 @@ impl Reactions {
         let Reactions { instrument, motion, force, moment, .. } = self;
         let bodies = &instrument.bodies;
         for (i, body) in bodies.iter().enumerate() {
-            force[i] = [0.0, -body.mass_kg * instrument.gravity_m_s2];
+            force[i] = [0.0, -body.mass_kg * instrument.gravity_m_per_s2];
             moment[i] = cross(motion.turned(i, body.center_of_mass_m), force[i]);
         }
         let mut turn = |body: usize, torque: f64| {
@@ -169,7 +169,7 @@ pub struct PinSeries {
     /// The body's name.
     pub name: String,
     /// Angular acceleration of the body, rad/s2, counter-clockwise.
-    pub acceleration_rad_s2: Vec<f64>,
+    pub acceleration_rad_per_s2: Vec<f64>,
     /// Force of the pin on the body toward the back of the piano, N.
     pub pin_x_n: Vec<f64>,
     /// Upward, N.
@@ -210,10 +210,10 @@ impl ReactionRecorder {
         // Forces belong to the middles of their steps: the mean, where the steps are equal.
         let share = self.pending.map(|before| before / (before + step_s));
         for ((series, [x, y]), acceleration) in
-            self.bodies.iter_mut().zip(reactions.pin_n()).zip(reactions.acceleration_rad_s2())
+            self.bodies.iter_mut().zip(reactions.pin_n()).zip(reactions.acceleration_rad_per_s2())
         {
             let new = [*x, *y, *acceleration];
-            let all = [&mut series.pin_x_n, &mut series.pin_y_n, &mut series.acceleration_rad_s2];
+            let all = [&mut series.pin_x_n, &mut series.pin_y_n, &mut series.acceleration_rad_per_s2];
             for (values, new) in all.into_iter().zip(new) {
                 if let Some((share, last)) = share.zip(values.last_mut()) {
                     *last = (1.0 - share) * *last + share * new;

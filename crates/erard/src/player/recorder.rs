@@ -62,9 +62,9 @@ pub struct Recorded {
     /// Travel of the key front, m.
     pub key_m: Vec<f64>,
     /// Rise of the hammer's strike point, m; empty without a hammer.
-    pub hammer_head_m: Vec<f64>,
+    pub hammer_rise_m: Vec<f64>,
     /// Its speed, m/s; empty without a hammer.
-    pub hammer_head_m_per_s: Vec<f64>,
+    pub hammer_rise_m_per_s: Vec<f64>,
     /// The bodies, in the instrument's order.
     pub bodies: Vec<BodySeries>,
     /// The zones, in the instrument's order.
@@ -98,8 +98,8 @@ impl Recorder {
             time_s: series(),
             force_n: series(),
             key_m: series(),
-            hammer_head_m: if has_hammer { series() } else { Vec::new() },
-            hammer_head_m_per_s: if has_hammer { series() } else { Vec::new() },
+            hammer_rise_m: if has_hammer { series() } else { Vec::new() },
+            hammer_rise_m_per_s: if has_hammer { series() } else { Vec::new() },
             bodies: instrument
                 .bodies
                 .iter()
@@ -177,7 +177,7 @@ impl Recorder {
     ///
     /// # Panics
     /// If there are more rows than the recorder was made for.
-    pub(crate) fn row(&mut self, time_s: f64, key_m: f64, hammer_m: f64, now: &Readout<'_>) {
+    pub(crate) fn row(&mut self, time_s: f64, key_m: f64, hammer_rise_m: f64, now: &Readout<'_>) {
         self.pending = Some(now.last_step_s);
         let row = self.rows;
         self.rows += 1;
@@ -186,8 +186,8 @@ impl Recorder {
         to.force_n[row] = now.output.drive_n;
         to.key_m[row] = key_m;
         if self.has_hammer {
-            to.hammer_head_m[row] = hammer_m;
-            to.hammer_head_m_per_s[row] = now.output.point_m_per_s[1];
+            to.hammer_rise_m[row] = hammer_rise_m;
+            to.hammer_rise_m_per_s[row] = now.output.point_m_per_s[1];
         }
         if let (Some(series), Some(strings)) = (&mut to.strings, Strings::read(now)) {
             series.displacement_m[row] = strings.displacement_m();
@@ -218,13 +218,13 @@ impl Recorder {
     /// The recorded series.
     pub(crate) fn finish(self) -> Recorded {
         let Recorder { mut recorded, rows, .. } = self;
-        let Recorded { time_s, force_n, key_m, hammer_head_m, hammer_head_m_per_s, bodies, zones, strings } =
+        let Recorded { time_s, force_n, key_m, hammer_rise_m, hammer_rise_m_per_s, bodies, zones, strings } =
             &mut recorded;
         if let Some(strings) = strings {
             strings.shape_m.truncate(rows * strings.places_m.len());
         }
         let strings = strings.iter_mut().flat_map(|s| [&mut s.displacement_m, &mut s.bridge_n, &mut s.pedal_m]);
-        for column in [time_s, force_n, key_m, hammer_head_m, hammer_head_m_per_s].into_iter().chain(strings) {
+        for column in [time_s, force_n, key_m, hammer_rise_m, hammer_rise_m_per_s].into_iter().chain(strings) {
             column.truncate(rows);
         }
         for body in bodies {

@@ -22,7 +22,8 @@ pub struct Rest {
 impl Rest {
     /// The present positions of a mechanism.
     pub fn of(instrument: &Instrument, m: &(impl Observation + ?Sized)) -> Self {
-        let head_m = instrument.roles.hammer.map_or(0.0, |h| m.point(Some(h), instrument.roles.hammer_head_m)[1]);
+        let head_m =
+            instrument.roles.hammer.map_or(0.0, |h| m.point(Some(h), instrument.roles.hammer_strike_point_m)[1]);
         Rest { site_m: m.site_position(), head_m }
     }
 

@@ -34,9 +34,9 @@ pub struct Run {
     /// Travel of the key front from its rest, m, down positive.
     pub key_m: Vec<f64>,
     /// Rise of the hammer's strike point from its rest, m, up positive; empty when the model has no hammer.
-    pub hammer_head_m: Vec<f64>,
+    pub hammer_rise_m: Vec<f64>,
     /// Speed of the hammer's strike point, m/s, up positive; empty when the model has no hammer.
-    pub hammer_head_m_per_s: Vec<f64>,
+    pub hammer_rise_m_per_s: Vec<f64>,
     /// One series per body.
     pub bodies: Vec<BodySeries>,
     /// One series per zone.
@@ -72,8 +72,8 @@ impl Run {
             ("time_s".into(), &self.time_s),
             ("force_N".into(), &self.force_n),
             ("key_m".into(), &self.key_m),
-            ("hammer_head_m".into(), &self.hammer_head_m),
-            ("hammer_head_m_per_s".into(), &self.hammer_head_m_per_s),
+            ("hammer_rise_m".into(), &self.hammer_rise_m),
+            ("hammer_rise_m_per_s".into(), &self.hammer_rise_m_per_s),
         ];
         for body in &self.bodies {
             columns.push((format!("{}_rad", body.name), &body.angle_rad));

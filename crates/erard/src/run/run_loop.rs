@@ -163,7 +163,7 @@ impl<'a> RunLoop<'a> {
     pub(crate) fn finish(self, instrument: &Instrument) -> Run {
         let Observers { detector, recorder, ledger, extremes, struck, peak_force_n, .. } = self.observers;
         let mechanism = self.action.mechanism();
-        let Recorded { time_s, force_n, key_m, hammer_head_m, hammer_head_m_per_s, bodies, zones, strings } =
+        let Recorded { time_s, force_n, key_m, hammer_rise_m, hammer_rise_m_per_s, bodies, zones, strings } =
             recorder.finish();
         let ledger = ledger.map(|ledger| ledger.close(mechanism));
         let events = detector.finish();
@@ -173,8 +173,8 @@ impl<'a> RunLoop<'a> {
             time_s,
             force_n,
             key_m,
-            hammer_head_m,
-            hammer_head_m_per_s,
+            hammer_rise_m,
+            hammer_rise_m_per_s,
             bodies,
             zones,
             strings,
@@ -207,18 +207,18 @@ impl Observers<'_> {
     fn observe(&mut self, rest: &Rest, time_s: f64, row: bool, m: &dyn Mechanism, now: &Readout<'_>) {
         let rested = std::mem::replace(&mut self.rested, now.rests);
         let StepOutput { site_m, point_m, impact, .. } = *now.output;
-        let (key_m, hammer_m) = (site_m - rest.site_m, point_m[1] - rest.head_m);
+        let (key_m, hammer_rise_m) = (site_m - rest.site_m, point_m[1] - rest.head_m);
         if rested && self.rested {
             self.detector.stood(time_s);
             self.recorder.stood();
         } else {
             self.extremes.observe(time_s, now);
             self.struck.observe(time_s, now);
-            self.detector.observe(time_s, key_m, hammer_m, impact, m);
+            self.detector.observe(time_s, key_m, hammer_rise_m, impact, m);
             self.recorder.step(now);
         }
         if row {
-            self.recorder.row(time_s, key_m, hammer_m, now);
+            self.recorder.row(time_s, key_m, hammer_rise_m, now);
         }
     }
 }

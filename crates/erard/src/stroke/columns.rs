@@ -56,7 +56,8 @@ const FINGERTIPS: &[&str] = &[
     "fingertip_travel",
     "fingertip_displacement",
 ];
-const HAMMERS: &[&str] = &["hammer_head", "hammer_head_position", "hammer_head_travel", "hammer_head_displacement"];
+const HAMMERS: &[&str] =
+    &["hammer_rise", "hammer_head", "hammer_head_position", "hammer_head_travel", "hammer_head_displacement"];
 const HAMMER_SPEEDS: &[&str] = &["hammer_head_speed", "hammer_head_velocity", "hammer_speed", "hammer_velocity"];
 /// The largest plausible speed, m/s: hammers reach 10.
 const MAX_SPEED_M_PER_S: f64 = 100.0;
@@ -79,8 +80,8 @@ impl Role {
             Role::Time => "time_s",
             Role::Force => "force_N",
             Role::Position => "position_m",
-            Role::HammerHead => "hammer_head_m",
-            Role::HammerSpeed => "hammer_head_m_per_s",
+            Role::HammerHead => "hammer_rise_m",
+            Role::HammerSpeed => "hammer_rise_m_per_s",
         }
     }
 
@@ -120,8 +121,8 @@ impl Role {
             Role::Time => "`time_s` or `time (ms)`",
             Role::Force => "`force_N` or `force (gf)`",
             Role::Position => "`position_m` or `position (mm)`",
-            Role::HammerHead => "`hammer_head_m` or `hammer_head (mm)`",
-            Role::HammerSpeed => "`hammer_head_m_per_s` or `hammer_speed (m/s)`",
+            Role::HammerHead => "`hammer_rise_m` or `hammer_rise (mm)`",
+            Role::HammerSpeed => "`hammer_rise_m_per_s` or `hammer_speed (m/s)`",
         }
     }
 }
@@ -171,7 +172,7 @@ impl Title {
                 return Title { stem: words(before), unit: Some(unit.trim().to_owned()), apart: true };
             }
         }
-        // `hammer_head_m_per_s`, `hammer speed m/s`: a unit of several words.
+        // `hammer_rise_m_per_s`, `hammer speed m/s`: a unit of several words.
         if role.quantity() == Quantity::Speed
             && let Some(unit) = ["mm_per_s", "cm_per_s", "m_per_s", "mm/s", "cm/s", "m/s"]
                 .into_iter()
@@ -179,7 +180,11 @@ impl Title {
         {
             let stem = words(&title[..title.len() - unit.len()]);
             // With such a unit it is no rise.
-            let stem = if stem == "hammer_head" { "hammer_head_speed".to_owned() } else { stem };
+            let stem = if ["hammer_rise", "hammer_head"].contains(&stem.as_str()) {
+                "hammer_head_speed".to_owned()
+            } else {
+                stem
+            };
             return Title { stem, unit: Some(unit.to_owned()), apart: true };
         }
         if let Some((before, unit)) = title.rsplit_once('/')
@@ -536,7 +541,7 @@ mod tests {
             assert_eq!(found(&titles, ""), Ok(vec![(0, want[0]), (1, want[1])]), "{titles:?}");
         }
         for (title, unit) in [
-            ("hammer_head_m_per_s", "m/s"),
+            ("hammer_rise_m_per_s", "m/s"),
             ("hammer_head_mm_per_s", "mm/s"),
             ("Hammer speed (m/s)", "m/s"),
             ("hammer velocity mm/s", "mm/s"),
@@ -546,9 +551,9 @@ mod tests {
             assert_eq!(found(&["time_s", "force_N", title], ""), Ok(vec![(0, "s"), (1, "N"), (2, unit)]), "{title}");
         }
         assert!(found(&["time_s", "force_N", "hammer speed (mm)"], "").unwrap_err().contains("m/s, cm/s, mm/s"));
-        let both = ["time_s", "force_N", "hammer_head_m", "hammer_head_m_per_s"];
+        let both = ["time_s", "force_N", "hammer_rise_m", "hammer_rise_m_per_s"];
         assert_eq!(found(&both, ""), Ok(vec![(0, "s"), (1, "N"), (2, "m"), (3, "m/s")]));
-        let own = ["time_s", "force_N", "key_m", "hammer_head_m", "key_rad", "hammer_rad", "tail_m", "key"];
+        let own = ["time_s", "force_N", "key_m", "hammer_rise_m", "key_rad", "hammer_rad", "tail_m", "key"];
         assert_eq!(found(&own, ""), Ok(vec![(0, "s"), (1, "N"), (2, "m"), (3, "m")]));
     }
 

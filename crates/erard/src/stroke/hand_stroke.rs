@@ -42,10 +42,10 @@ const STIFFENS_S: f64 = 0.010;
 /// hand includes more of the arm, with stronger muscles. An estimate.
 pub const HOLDS_S: f64 = 1.0 / 70.0;
 /// Acceleration with which a hand whose muscle pressed leaves the key, m/s2. An estimate: it is 5 mm away after 30 ms.
-const LEAVING_M_S2: f64 = 11.0;
+const LEAVING_M_PER_S2: f64 = 11.0;
 /// Acceleration with which a hand lets the key go, m/s2: more than the 22 m/s2 with which a free key is home in 30 ms.
 /// An estimate.
-const LETTING_GO_M_S2: f64 = 60.0;
+const LETTING_GO_M_PER_S2: f64 = 60.0;
 /// Time within which the force vanishes in a letting-go, s.
 const LETTING_GO_S: f64 = 2e-3;
 /// Height above the key front's rest to which a hand on a path goes when it leaves, m.
@@ -117,7 +117,7 @@ pub struct Leave {
     /// within twice this time.
     pub within_s: f64,
     /// Acceleration with which its muscle then lifts it, m/s2.
-    pub lifts_m_s2: f64,
+    pub lifts_m_per_s2: f64,
 }
 
 impl HandStroke {
@@ -173,13 +173,13 @@ impl HandStroke {
     /// This stroke, leaving the key from this instant on, s; its force vanishes within this time, s.
     #[must_use]
     pub fn leaving(self, at_s: f64, within_s: f64) -> Self {
-        HandStroke { leaves: Some(Leave { at_s, within_s, lifts_m_s2: LEAVING_M_S2 }), ..self }
+        HandStroke { leaves: Some(Leave { at_s, within_s, lifts_m_per_s2: LEAVING_M_PER_S2 }), ..self }
     }
 
     /// This stroke, letting the key go at this instant, s: the hand is away within 2 ms, faster than the key comes up.
     #[must_use]
     pub fn letting_go(self, at_s: f64) -> Self {
-        HandStroke { leaves: Some(Leave { at_s, within_s: LETTING_GO_S, lifts_m_s2: LETTING_GO_M_S2 }), ..self }
+        HandStroke { leaves: Some(Leave { at_s, within_s: LETTING_GO_S, lifts_m_per_s2: LETTING_GO_M_PER_S2 }), ..self }
     }
 
     /// Action of the muscle at an instant, s: a force, or a motion.
@@ -214,9 +214,9 @@ impl HandStroke {
     /// The muscle's force, N; as the hand leaves it falls by half a cosine, to what lifts the hand, and rises no
     /// further.
     fn let_go(&self, t: f64) -> f64 {
-        let Some(Leave { at_s, within_s, lifts_m_s2 }) = self.leaves else { return self.relaxed(t) };
+        let Some(Leave { at_s, within_s, lifts_m_per_s2 }) = self.leaves else { return self.relaxed(t) };
         let held = self.relaxed(t.min(at_s));
-        held - half_a_cosine((t - at_s) / within_s) * (held + lifts_m_s2 * self.hand.mass_kg)
+        held - half_a_cosine((t - at_s) / within_s) * (held + lifts_m_per_s2 * self.hand.mass_kg)
     }
 
     /// The muscle's force as long as the hand stays, N.
@@ -285,14 +285,14 @@ mod tests {
         assert_eq!(force(&swells, 0.0), 0.0);
         let pressed = HandStroke::ramped(100.0).leaving(0.1, 0.03);
         assert!((force(&pressed, 0.05) - 5.0).abs() < 1e-12 && (force(&pressed, 0.1) - 10.0).abs() < 1e-12);
-        assert!((force(&pressed, 0.115) - 0.5 * (10.0 - 0.2 * LEAVING_M_S2)).abs() < 1e-9);
-        assert!((force(&pressed, 0.2) + 0.2 * LEAVING_M_S2).abs() < 1e-12);
+        assert!((force(&pressed, 0.115) - 0.5 * (10.0 - 0.2 * LEAVING_M_PER_S2)).abs() < 1e-9);
+        assert!((force(&pressed, 0.2) + 0.2 * LEAVING_M_PER_S2).abs() < 1e-12);
         let struck = HandStroke::struck(0.2, 0.5).relaxing(0.1, 2.0);
         assert!((force(&struck, 0.05) - 3.0).abs() < 1e-12 && (force(&struck, 0.15) - 2.5).abs() < 1e-12);
         assert!((force(&struck.leaving(0.3, 0.03), 0.3) - 2.0).abs() < 1e-12);
         let gone = struck.letting_go(0.3);
         assert!((force(&gone, 0.3) - 2.0).abs() < 1e-12);
-        assert!((force(&gone, 0.302) + 0.2 * LETTING_GO_M_S2).abs() < 1e-12);
+        assert!((force(&gone, 0.302) + 0.2 * LETTING_GO_M_PER_S2).abs() < 1e-12);
         match HandStroke::led(0.2).leaving(0.5, 0.03).input(0.6) {
             Input::Motion { position_m, .. } => assert!((position_m + LEFT_M).abs() < 1e-12),
             other => panic!("{other:?}"),

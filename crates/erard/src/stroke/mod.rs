@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn a_beginning() {
         let text =
-            "time_s,force_N,position_m,hammer_head_m\n1,0,0,0\n2,4,0.001,0.01\n3,8,0.002,0.02\n11,8,0.002,0.02\n";
+            "time_s,force_N,position_m,hammer_rise_m\n1,0,0,0\n2,4,0.001,0.01\n3,8,0.002,0.02\n11,8,0.002,0.02\n";
         let whole = Series::parse(text, "test").unwrap();
         let first = whole.first(1.5).unwrap();
         assert_eq!(first.times_s(), [1.0, 2.0, 2.5]);

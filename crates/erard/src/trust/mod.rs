@@ -243,7 +243,7 @@ fn of_rest(instrument: &Instrument, extremes: &Extremes) -> Option<Warning> {
 /// The string with the highest stress, if that exceeds the strength of steel. The core of a wound string is thinner
 /// than its mass suggests, so its stress is higher.
 fn of_tensions(instrument: &Instrument) -> Option<Warning> {
-    let most = |string: &PianoString| STEEL_STRENGTH_PA * string.mass_kg_m / STEEL_DENSITY_KG_M3;
+    let most = |string: &PianoString| STEEL_STRENGTH_PA * string.mass_kg_per_m / STEEL_DENSITY_KG_M3;
     let excess = |string: &&PianoString| string.tension_n / most(string);
     let string = instrument.strings.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
     (string.tension_n > most(string)).then(|| Warning {

@@ -453,7 +453,7 @@ mod tests {
             ("spring.key_bending.stiffness_N_m_per_rad", Quantity::AngularStiffness, "N m/rad"),
             ("gravity_m_s2", Quantity::Acceleration, "m/s2"),
             ("body.key_back.viscous_N_m_s", Quantity::AngularDamping, "N m s/rad"),
-            ("hammer_head_m_per_s", Quantity::Speed, "m/s"),
+            ("hammer_rise_m_per_s", Quantity::Speed, "m/s"),
             ("key_rad_per_s", Quantity::AngularSpeed, "rad/s"),
             ("strings.mass_g_per_m", Quantity::LineDensity, "g/m"),
             ("strings.loss_per_s", Quantity::Rate, "1/s"),

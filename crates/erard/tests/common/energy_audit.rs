@@ -234,7 +234,7 @@ impl<'a> EnergyAudit<'a> {
             let [x, y] = body.center_of_mass_m;
             let about_center = body.inertia_kg_m2 - body.mass_kg * (x * x + y * y);
             energy += 0.5 * body.mass_kg * dot(velocity, velocity) + 0.5 * about_center * placed.rate * placed.rate;
-            energy += body.mass_kg * instrument.gravity_m_s2 * center[1];
+            energy += body.mass_kg * instrument.gravity_m_per_s2 * center[1];
         }
         for spring in &instrument.springs {
             let parent = instrument.bodies[spring.body].parent;

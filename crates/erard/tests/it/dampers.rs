@@ -126,8 +126,8 @@ fn by_runge_kutta(instrument: &Instrument, speeds_m_per_s: &[f64], instants_s: &
     let string = &instrument.strings[0];
     let (k, b) = (6.667e6, 2.667e7);
     let (tension, length) = (string.tension_n, string.length_m);
-    let mass = 0.5 * string.mass_kg_m * length;
-    let f0 = (tension / string.mass_kg_m).sqrt() / (2.0 * length);
+    let mass = 0.5 * string.mass_kg_per_m * length;
+    let f0 = (tension / string.mass_kg_per_m).sqrt() / (2.0 * length);
     let inharmonicity = PI * PI * string.bending_n_m2 / (tension * length * length);
     let numbers: Vec<f64> = (1..=MODES).map(|n| n as f64).collect();
     let omega: Vec<f64> = numbers.iter().map(|n| 2.0 * PI * n * f0 * (1.0 + inharmonicity * n * n).sqrt()).collect();
@@ -678,7 +678,7 @@ mod nightly {
     fn the_balance_closes_over_hammer_and_damper_on_the_same_string() {
         for (side, gravity) in [(1.0, 225.0), (-1.0, -225.0)] {
             let mut instrument = damped(0.0);
-            instrument.edit(|fields| fields.gravity_m_s2 = gravity).unwrap();
+            instrument.edit(|fields| fields.gravity_m_per_s2 = gravity).unwrap();
             // The hammer lies on the string, 25.6 mm from the damper, which lies there, too.
             instrument
                 .edit(|fields| {

@@ -36,10 +36,10 @@ fn thrown(instrument: &Instrument, speed_m_per_s: f64, halving: Halving) -> Impa
     }
     action.halve(halving);
     // What gravity and friction take on the way up is made up for, roughly; the head turns about the shank's pin.
-    let rad_s = (1.04 * speed_m_per_s * speed_m_per_s + 1.22).sqrt() / 0.1386;
+    let rad_per_s = (1.04 * speed_m_per_s * speed_m_per_s + 1.22).sqrt() / 0.1386;
     let mut body = instrument.roles.hammer;
     while let Some(one) = body {
-        action.add_velocity(one, rad_s);
+        action.add_velocity(one, rad_per_s);
         body = instrument.bodies[one].parent;
     }
     let (zone, h) = (instrument.roles.string.unwrap(), action.settings().step);

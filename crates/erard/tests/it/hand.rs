@@ -171,7 +171,10 @@ fn ten_hands_play_a_keyboard() {
             let alone = action.step(down(n, step));
             if step % 500 == 0 {
                 let here = keys.reading(n + 1);
-                assert_eq!((here.key_m, here.hand_m, here.finger_n), (alone.key_m, alone.hand_m, alone.finger_n));
+                assert_eq!(
+                    (here.key_m, here.hand_m, here.finger_force_n),
+                    (alone.key_m, alone.hand_m, alone.finger_force_n)
+                );
             }
             away = away.min(alone.hand_m);
         }

@@ -29,9 +29,9 @@ fn readings_are_a_runs_rows() {
         let reading = action.step(force(n));
         let row = n as usize + 1;
         assert_eq!(reading.key_m.to_bits(), run.key_m[row].to_bits(), "row {row}");
-        assert_eq!(reading.hammer_m.to_bits(), run.hammer_head_m[row].to_bits(), "row {row}");
-        if let Some(before_n) = before_n.replace(reading.finger_n) {
-            let centred: f64 = 0.5 * before_n + 0.5 * reading.finger_n;
+        assert_eq!(reading.hammer_rise_m.to_bits(), run.hammer_rise_m[row].to_bits(), "row {row}");
+        if let Some(before_n) = before_n.replace(reading.finger_force_n) {
+            let centred: f64 = 0.5 * before_n + 0.5 * reading.finger_force_n;
             assert!((centred - run.force_n[row - 1]).abs() < 1e-12, "row {row}");
         }
         impacts.extend(action.impact());
@@ -51,11 +51,12 @@ fn speeds_are_derivatives() {
     let mut worst = [0.0_f64; 2];
     for three in readings.windows(3) {
         worst[0] = worst[0].max((slope(three[0].key_m, three[2].key_m) - three[1].key_m_per_s).abs());
-        worst[1] = worst[1].max((slope(three[0].hammer_m, three[2].hammer_m) - three[1].hammer_m_per_s).abs());
+        worst[1] =
+            worst[1].max((slope(three[0].hammer_rise_m, three[2].hammer_rise_m) - three[1].hammer_rise_m_per_s).abs());
     }
     println!("{worst:?} m/s");
     assert!(worst[0] < 1e-3 && worst[1] < 1e-2, "{worst:?}");
-    assert!(readings.iter().any(|r| r.hammer_m_per_s > 1.0));
+    assert!(readings.iter().any(|r| r.hammer_rise_m_per_s > 1.0));
 }
 
 /// A snapshot taken one step before an impact, restored in another action: the same impact and, many steps later, the
@@ -208,7 +209,7 @@ fn bad_inputs_leave_the_action_as_it_was() {
         assert_eq!(action.angles(), before, "{bad:?}");
         let next = action.step(Input::Force(5.0));
         assert_eq!(next.outcome, Outcome::Converged, "{bad:?}");
-        assert!(next.key_m.is_finite() && next.finger_n.is_finite());
+        assert!(next.key_m.is_finite() && next.finger_force_n.is_finite());
         let rigid = action.step(Input::Rigid { position_m: next.key_m, velocity_m_per_s: 0.0 });
         assert_eq!(rigid.outcome, Outcome::Converged, "{bad:?}");
     }
@@ -223,7 +224,7 @@ fn nothing_allocates() {
     let counted = allocation_counter::measure(|| {
         for n in 0..20_000 {
             let r = action.step(force(n));
-            sum += r.key_m + r.key_m_per_s + r.finger_n + r.hammer_m + r.hammer_m_per_s + r.string_n;
+            sum += r.key_m + r.key_m_per_s + r.finger_force_n + r.hammer_rise_m + r.hammer_rise_m_per_s + r.string_n;
             sum += action.angles()[0] + action.velocities()[1] + action.contact_force(3) + action.tangential_force(3);
             impacts += usize::from(action.impact().is_some());
             if n % 1000 == 500 {
@@ -273,7 +274,11 @@ fn the_hammers_speed_is_reported_in_total_and_along_the_normal() {
         let Impact { hammer_speed_m_per_s: total, hammer_speed_normal_m_per_s: normal, .. } =
             found.expect("it strikes");
         println!("{name}: {total:.4} m/s, {normal:.4} along the normal, {:.4} of it", normal / total);
-        assert!((normal / before.hammer_m_per_s - 1.0).abs() < 3e-3, "{name}: {normal} {}", before.hammer_m_per_s);
+        assert!(
+            (normal / before.hammer_rise_m_per_s - 1.0).abs() < 3e-3,
+            "{name}: {normal} {}",
+            before.hammer_rise_m_per_s
+        );
         // The head is 48 mm above the line from the pin, at 130 mm along it.
         assert!((normal / total - 130.0 / 130.0_f64.hypot(48.0)).abs() < 0.01, "{name}: {}", normal / total);
     }

@@ -46,7 +46,7 @@ fn every_force_lets_off_before_the_string() {
                 "{force} N: {knuckle}"
             );
         }
-        let left = run.hammer_head_m[row_at(&run, impact)] - run.hammer_head_m[row_at(&run, off)];
+        let left = run.hammer_rise_m[row_at(&run, impact)] - run.hammer_rise_m[row_at(&run, off)];
         assert!((0.02e-3..4e-3).contains(&left), "{force} N: {left}");
         assert_eq!(run.work.unconverged_steps, 0);
     }
@@ -62,8 +62,8 @@ fn hard_enough_blows_are_checked() {
         assert_eq!(run.events.impacts.len(), 1, "{force} N: one impact");
         assert!(run.events.check_s.unwrap() > run.events.hammer_contact_s().unwrap());
         let held = row_at(&run, HELD_S) - 1;
-        let string = run.hammer_head_m[row_at(&run, run.events.hammer_contact_s().unwrap())];
-        let below = string - run.hammer_head_m[held];
+        let string = run.hammer_rise_m[row_at(&run, run.events.hammer_contact_s().unwrap())];
+        let below = string - run.hammer_rise_m[held];
         assert!((10e-3..20e-3).contains(&below), "{force} N: checked {below} m below the string");
         assert!(zone(&run, "check")[held] > 0.5, "{force} N");
         // Held by the check alone, with its own pin at the limit of its friction, it stands still to rounding: 1e-15
@@ -137,7 +137,7 @@ fn let_go_everything_comes_to_rest() {
             assert_eq!(body.rate_rad_per_s[last], 0.0, "{play:?}: {}", body.name);
         }
         assert!(run.key_m[last].abs() < key, "{play:?}: key {}", run.key_m[last]);
-        assert!((-sink..rise).contains(&run.hammer_head_m[last]), "{play:?}: head {}", run.hammer_head_m[last]);
+        assert!((-sink..rise).contains(&run.hammer_rise_m[last]), "{play:?}: head {}", run.hammer_rise_m[last]);
         let friction = largest(run.final_pivot_friction_n_m.iter().copied());
         assert!(friction > 1e-4, "{play:?}: friction still holds something at rest");
     }

@@ -13,7 +13,7 @@ use moreau::{Loss, Settings};
 fn pendulum() -> Instrument {
     let fields = InstrumentFields {
         name: "pendulum".into(),
-        gravity_m_s2: 9.81,
+        gravity_m_per_s2: 9.81,
         bodies: vec![Body {
             name: "bob".into(),
             parent: None,
@@ -48,7 +48,7 @@ fn pendulum() -> Instrument {
 fn a_pendulum_hangs_on_its_pin() {
     let pendulum = pendulum();
     let body = &pendulum.bodies[0];
-    let (m, j, l, g) = (body.mass_kg, body.inertia_kg_m2, body.center_of_mass_m[0], pendulum.gravity_m_s2);
+    let (m, j, l, g) = (body.mass_kg, body.inertia_kg_m2, body.center_of_mass_m[0], pendulum.gravity_m_per_s2);
     let settings = Settings { tolerance: 1e-13, ..Settings::new(USUAL_STEP_S) };
     let mut action = Action::as_drawn(&pendulum, settings).unwrap();
     let mut reactions = Reactions::open(&pendulum, action.mechanism());
@@ -67,7 +67,7 @@ fn a_pendulum_hangs_on_its_pin() {
         let found = reactions.pin_n()[0];
         worst = worst.max((found[0] - expected[0]).hypot(found[1] - expected[1]) / (m * g));
         let alpha = -m * g * l * phi.cos() / j;
-        let found = reactions.acceleration_rad_s2()[0];
+        let found = reactions.acceleration_rad_per_s2()[0];
         assert!((found - alpha).abs() < 1e-9 * m * g * l / j, "{phi}: {found} {alpha}");
         assert!(reactions.moment_n_m()[0].abs() < 1e-10 * m * g * l, "{phi}");
     }
@@ -122,7 +122,7 @@ impl Observer for Witness {
         self.reactions.observe(m);
         let pins = self.reactions.pin_n();
         let mut sum: Vec<Vec2> =
-            self.instrument.bodies.iter().map(|b| [0.0, -b.mass_kg * self.instrument.gravity_m_s2]).collect();
+            self.instrument.bodies.iter().map(|b| [0.0, -b.mass_kg * self.instrument.gravity_m_per_s2]).collect();
         let mut push = |body: Option<usize>, by: Vec2, sign: f64| {
             if let Some(body) = body {
                 sum[body] = [sum[body][0] + sign * by[0], sum[body][1] + sign * by[1]];

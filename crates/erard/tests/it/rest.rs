@@ -98,7 +98,7 @@ fn a_held_note_creeps_when_regularised() {
         let angle = &run.bodies[hammer].angle_rad;
         let row = |instant: f64| run.time_s.partition_point(|&t| t < instant);
         let (caught, second) = (row(CAUGHT_S), row(CAUGHT_S + 1.0));
-        let (from, to) = (run.hammer_head_m[caught] * 1e3, run.hammer_head_m.last().unwrap() * 1e3);
+        let (from, to) = (run.hammer_rise_m[caught] * 1e3, run.hammer_rise_m.last().unwrap() * 1e3);
         let first = largest(angle[caught..second].iter().map(|q| q - angle[caught]));
         let all = drifts(&run, CAUGHT_S)[hammer];
         let late = run.work.unconverged_steps;

@@ -17,7 +17,7 @@ where
     let grand = rigid_grand();
     let model: Model<T, 6, 14> = assemble(&grand).expect("it fits");
     let hammer = grand.roles.hammer.expect("it has a hammer");
-    let [x, y] = grand.roles.hammer_head_m;
+    let [x, y] = grand.roles.hammer_strike_point_m;
     let settings = Settings::new(T::from_f64(USUAL_STEP_S));
     let mut state = State::at_rest(drawn_angles(&grand));
     let mut workspace = Workspace::<T, 6, 14, 10>::new();

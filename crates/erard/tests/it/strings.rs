@@ -147,7 +147,7 @@ fn a_blow_is_the_one_of_an_independent_solution() {
 fn before_the_first_reflection_the_string_is_infinite() {
     let instrument = bare("0", 0.0);
     let (h, string) = (12.5e-6, &instrument.strings[0]);
-    let impedance = 3.0 * 2.0 * (string.tension_n * string.mass_kg_m).sqrt();
+    let impedance = 3.0 * 2.0 * (string.tension_n * string.mass_kg_per_m).sqrt();
     let rounded = (string.bending_n_m2 / string.tension_n).sqrt() / (3.0 * 2.0 * string.tension_n);
     let mut m = thrown(&instrument, h, 2.0);
     let mut way_m = 0.0;
@@ -432,7 +432,7 @@ fn keys_and_actions_are_the_same_bits() {
         keys.step();
         action.step(input);
         if n % 500 == 0 {
-            let [a, b] = [keys.reading(1), action.reading()].map(|r| [r.key_m, r.hammer_m, r.hammer_m_per_s]);
+            let [a, b] = [keys.reading(1), action.reading()].map(|r| [r.key_m, r.hammer_rise_m, r.hammer_rise_m_per_s]);
             assert_eq!(a, b, "step {n}");
         }
     }

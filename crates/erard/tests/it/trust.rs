@@ -33,7 +33,7 @@ fn a_run_that_begins_in_motion_says_nothing_of_a_rest() {
     for _ in 0..4000 {
         action.step(Input::Force(5.0));
     }
-    assert!(action.reading().hammer_m > 0.02, "in its check: {:?}", action.reading());
+    assert!(action.reading().hammer_rise_m > 0.02, "in its check: {:?}", action.reading());
     let run = simulate_from(&grand, &action.save(), &|_| Input::Force(5.0), &Setup::new(0.02), &mut |_| true).unwrap();
     assert_eq!(kinds(&run), []);
 }
@@ -230,7 +230,7 @@ fn no_rest_is_a_warning_of_its_own() {
     let mut instrument = rigid_grand();
     instrument
         .edit(|fields| {
-            (fields.gravity_m_s2, fields.zones, fields.screws) = (0.0, Vec::new(), Vec::new());
+            (fields.gravity_m_per_s2, fields.zones, fields.screws) = (0.0, Vec::new(), Vec::new());
             fields.roles = erard::instrument::Roles::default();
             // A constant torque, and nothing that ends its way.
             fields.springs.truncate(1);

@@ -65,10 +65,10 @@ fn thrown(instrument: &Instrument, speed_m_per_s: f64) -> Result<(f64, Contact),
         action.settle(instrument, Input::Free, &mut |_| true).map_err(wrong)?;
     }
     // Compensates roughly for gravity and friction on the way up; the head turns about the shank's pin.
-    let rad_s = (1.04 * speed_m_per_s * speed_m_per_s + 1.22).sqrt() / 0.1386;
+    let rad_per_s = (1.04 * speed_m_per_s * speed_m_per_s + 1.22).sqrt() / 0.1386;
     let mut body = instrument.roles.hammer;
     while let Some(one) = body {
-        action.add_velocity(one, rad_s);
+        action.add_velocity(one, rad_per_s);
         body = instrument.bodies[one].parent;
     }
     let (mut series, mut struck) = (Vec::new(), None);

@@ -239,7 +239,7 @@ fn over_the_compass(
         let instrument = key(number)?;
         let string = &instrument.strings[0];
         let [force_n, pressed_m, dashpot] = lying(&instrument)?;
-        let impedance = (string.tension_n * string.mass_kg_m).sqrt();
+        let impedance = (string.tension_n * string.mass_kg_per_m).sqrt();
         let own = Note::new(&instrument)?.decay(&instrument, 0.0, MOST_S[0])?;
         let other = with_damper_of(&instrument, &middle);
         let alike = Note::new(&other)?.decay(&other, 0.0, MOST_S[0])?;

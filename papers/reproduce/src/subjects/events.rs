@@ -198,7 +198,7 @@ const RESULTS: [(&str, &str, Outcome); 7] = [
         let met_m = *run.key_m.get(met)?;
         Some(1e3 * (met_m - run.key_m[met..].iter().copied().fold(met_m, f64::min)))
     }),
-    ("the hammer ends above its rest", "mm", |run| run.hammer_head_m.last().map(|m| 1e3 * m)),
+    ("the hammer ends above its rest", "mm", |run| run.hammer_rise_m.last().map(|m| 1e3 * m)),
 ];
 
 fn after_start_ms(run: &Run, at_s: Option<f64>) -> Option<f64> {

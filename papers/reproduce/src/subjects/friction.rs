@@ -162,11 +162,11 @@ pub(super) fn rest(instrument: &Instrument, progress: &mut Progress) -> Result<S
         ]);
         at_rest.push(drift);
         held.push(caught);
-        let start = note.hammer_head_m[first];
+        let start = note.hammer_rise_m[first];
         curves.push(ChartCurve {
             label: name.clone(),
             x: note.time_s[first..].to_vec(),
-            y: note.hammer_head_m[first..].iter().map(|y| (y - start) * 1e3).collect(),
+            y: note.hammer_rise_m[first..].iter().map(|y| (y - start) * 1e3).collect(),
             colour: [1, 2, 3, 5][i % 4],
             mark: [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::Dashed][i % 4],
         });

@@ -162,7 +162,7 @@ fn parts(instrument: &Instrument, run: &Run) -> Result<Vec<(&'static str, Vec<f6
     let front_m = length(rigid.roles.key_front_m);
     let Some(hammer) = rigid.roles.hammer else { return Ok(Vec::new()) };
     // Metres there per metre of the key's front.
-    let head = one.ratios[hammer].abs() * length(rigid.roles.hammer_head_m) / front_m;
+    let head = one.ratios[hammer].abs() * length(rigid.roles.hammer_strike_point_m) / front_m;
     let knuckle = one.ratios[hammer].abs() * length(rigid.zones[anatomy.jack_knuckle].disc_center_m) / front_m;
     // A negative arm: the piece lags behind.
     let bend = |piece: usize, arm_m: f64, lever: f64| -> Vec<f64> {
@@ -178,7 +178,7 @@ fn parts(instrument: &Instrument, run: &Run) -> Result<Vec<(&'static str, Vec<f6
     };
     let heel = instrument.zones.iter().position(|zone| zone.name == "capstan_heel");
     let (key, hammer_piece) = (anatomy.key, anatomy.hammer);
-    let head_arm_m = length(instrument.roles.hammer_head_m);
+    let head_arm_m = length(instrument.roles.hammer_strike_point_m);
     let mut all = vec![("key", bend(key, length(instrument.roles.key_front_m), 1.0))];
     if let Some(heel) = heel {
         let arm = length(rigid.zones[heel].disc_center_m) / front_m;

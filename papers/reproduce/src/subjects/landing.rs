@@ -94,8 +94,8 @@ fn recorded([from_s, to_s]: [f64; 2]) -> Released {
 fn free_fall(instrument: &Instrument) -> Option<f64> {
     let rigid = instrument.locked();
     let hammer = &rigid.bodies[rigid.roles.hammer?];
-    let [arm_m, head_m] = [hammer.center_of_mass_m, rigid.roles.hammer_head_m].map(|[x, y]| x.hypot(y));
-    let torque_n_m = hammer.mass_kg * instrument.gravity_m_s2 * arm_m - hammer.friction_torque_n_m;
+    let [arm_m, head_m] = [hammer.center_of_mass_m, rigid.roles.hammer_strike_point_m].map(|[x, y]| x.hypot(y));
+    let torque_n_m = hammer.mass_kg * instrument.gravity_m_per_s2 * arm_m - hammer.friction_torque_n_m;
     Some(torque_n_m / hammer.inertia_kg_m2 * head_m)
 }
 
@@ -115,7 +115,7 @@ pub(super) fn add(instrument: &Instrument, free: &Released, section: &mut Sectio
     let all = [&recordings[0], &recordings[1], free];
     let [Some(first), Some(second), Some(model)] = all.map(Course::of) else { return };
     let courses = [first, second, model];
-    let Some(fall_m_s2) = free_fall(instrument) else { return };
+    let Some(fall_m_per_s2) = free_fall(instrument) else { return };
     let header = [
         "release",
         "key up (ms)",
@@ -127,7 +127,7 @@ pub(super) fn add(instrument: &Instrument, free: &Released, section: &mut Sectio
         "up again (ms)",
     ];
     let mut table = Table::new("A release beside recorded ones; times after the key has left", &header);
-    let fall_s = |course: &Course| (2.0 * course.hung_m / fall_m_s2).sqrt();
+    let fall_s = |course: &Course| (2.0 * course.hung_m / fall_m_per_s2).sqrt();
     for (name, course) in names.iter().zip(&courses) {
         let ms = |s: f64| format!("{:.0}", 1e3 * s);
         let mm = |m: f64| format!("{:.1}", 1e3 * m);
@@ -148,7 +148,7 @@ pub(super) fn add(instrument: &Instrument, free: &Released, section: &mut Sectio
         "recorded and modelled",
         "when the key is home the hammer has hardly begun to fall, in the recordings as in the model: from where it was checked no hammer falls home sooner",
         format!(
-            "it is {} mm above its rest when the key is home after {} ms; a free fall ({fall_m_s2:.1} m/s2 at the head) takes {} ms, and it is home after {} ms",
+            "it is {} mm above its rest when the key is home after {} ms; a free fall ({fall_m_per_s2:.1} m/s2 at the head) takes {} ms, and it is home after {} ms",
             each(&|c| format!("{:.0}", 1e3 * c.head_m)),
             each(&|c| format!("{:.0}", 1e3 * c.home_s)),
             each(&|c| format!("{:.0}", 1e3 * fall_s(c))),

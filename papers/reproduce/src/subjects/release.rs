@@ -49,7 +49,7 @@ impl Released {
         let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(4), ..Setup::new(END_S) };
         let run = press_by_hand(&case.instrument, &case.touch, &setup, &mut |_| true)?;
         let from = run.time_s.partition_point(|&t| t < LET_GO_S);
-        let [time_s, key_m, head_m] = [&run.time_s, &run.key_m, &run.hammer_head_m].map(|all| all[from..].to_vec());
+        let [time_s, key_m, head_m] = [&run.time_s, &run.key_m, &run.hammer_rise_m].map(|all| all[from..].to_vec());
         Ok(Released { time_s, key_m, head_m })
     }
 

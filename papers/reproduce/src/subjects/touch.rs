@@ -304,7 +304,7 @@ impl Model<'_> {
                     return Ok(None);
                 };
                 let row = run.time_s.partition_point(|&t| t < at_s).min(run.time_s.len() - 1);
-                Ok(Some((Hit { at_s, speed_m_per_s }, run.hammer_head_m[row] - run.hammer_head_m[0])))
+                Ok(Some((Hit { at_s, speed_m_per_s }, run.hammer_rise_m[row] - run.hammer_rise_m[0])))
             }
             Model::OneDegree { one, ratio, way_m } => {
                 let run = press_by_hand(one, gesture, &setup, &mut |_| true)?;
@@ -350,7 +350,7 @@ pub(super) fn scatter(instrument: &Instrument, progress: &mut Progress) -> Resul
     let rigid = instrument.locked();
     let length = |[x, y]: [f64; 2]| x.hypot(y);
     let ratio = match rigid.roles.hammer {
-        Some(body) => ratios[body].abs() * length(rigid.roles.hammer_head_m) / length(rigid.roles.key_front_m),
+        Some(body) => ratios[body].abs() * length(rigid.roles.hammer_strike_point_m) / length(rigid.roles.key_front_m),
         None => return Err(ReproduceError::Instrument("there is no hammer".into())),
     };
     let mut table = Table::new(

@@ -105,8 +105,8 @@ impl Beside {
         let setup = Setup { settings: Settings::new(50e-6), ledger: false, ..Setup::new(1.0) };
         let choice = Choice { drives: vec![Prescribed::Rigid], models: vec![Which::Action], ..Choice::default() };
         let comparison = compare_chosen(instrument, series, &choice, &setup, &mut |_| true)?;
-        let simulated = comparison.trial(Prescribed::Rigid, Which::Action).map(|trial| &trial.hammer_m);
-        let hammers = comparison.measured_hammer_m.as_ref().zip(simulated);
+        let simulated = comparison.trial(Prescribed::Rigid, Which::Action).map(|trial| &trial.hammer_rise_m);
+        let hammers = comparison.measured_hammer_rise_m.as_ref().zip(simulated);
         let (recorded, simulated) = hammers.ok_or_else(|| failed("a recorded stroke has no hammer"))?;
         let reaches = |hammer: &[f64], way_m: f64| {
             let row = hammer.iter().position(|at| *at >= way_m).ok_or_else(|| failed("a hammer does not rise"))?;

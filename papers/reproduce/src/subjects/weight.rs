@@ -46,7 +46,7 @@ struct Laid {
 
 impl Laid {
     fn new(instrument: &Instrument, weight_kg: f64) -> Result<Self, ReproduceError> {
-        let force_n = weight_kg * instrument.gravity_m_s2;
+        let force_n = weight_kg * instrument.gravity_m_per_s2;
         let laid = HandStroke {
             hand: Hand { mass_kg: weight_kg, ..Hand::default() },
             muscle: Muscle::Steady { force_n },
@@ -154,7 +154,7 @@ fn chart(run: &Run) -> Chart {
         x_log: false,
         panels: vec![
             panel("key front, down (mm)", "key", &run.key_m, 0),
-            panel("hammer, up (mm)", "hammer", &run.hammer_head_m, 1),
+            panel("hammer, up (mm)", "hammer", &run.hammer_rise_m, 1),
         ],
     }
 }

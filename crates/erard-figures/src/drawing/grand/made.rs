@@ -49,7 +49,7 @@ pub(super) fn head_scale(instrument: &Instrument, parts: &Parts) -> f64 {
             offset += if index > 0 { body.pivot_m[0] } else { 0.0 };
             moment += 1e3 * body.mass_kg * (offset + body.center_of_mass_m[0]);
         }
-        moment / (offset + instrument.roles.hammer_head_m[0])
+        moment / (offset + instrument.roles.hammer_strike_point_m[0])
     };
     ((strike_g - SHANK_G).max(0.0) / HEAD_G).sqrt().clamp(0.45, 1.5)
 }

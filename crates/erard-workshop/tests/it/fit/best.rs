@@ -126,7 +126,7 @@ fn nor_with_restarts() {
 
 fn astray(data: &[Recording], restarts: usize, by: Vec<Vec<f64>>, end: f64) -> (FitResult, Problem) {
     let mut asks = asks(&["body.hammer.mass"]);
-    asks.columns = Some(vec!["hammer_head_m".to_owned()]);
+    asks.columns = Some(vec!["hammer_rise_m".to_owned()]);
     asks.sigma = vec![("force_N".to_owned(), 0.0)];
     asks.plan.restarts = restarts;
     let (problem, noise) = problem(data, &asks).unwrap();
@@ -207,7 +207,7 @@ mod nightly {
                     .collect();
                 (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
             };
-            let [key, hammer] = ["key_m", "hammer_head_m"]
+            let [key, hammer] = ["key_m", "hammer_rise_m"]
                 .map(|column| [rms(column, &|one| one.rms_at_start), rms(column, &|one| one.rms)]);
             let is_true =
                 TRUE.iter().zip(&found.x).zip(&found.std).all(|(((_, truth), x), std)| (x - truth).abs() < 4.0 * std);

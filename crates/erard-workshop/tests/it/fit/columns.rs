@@ -18,7 +18,7 @@ fn speeds(until_s: f64) -> Recording {
     let mut rng = Rng::with_seed(5);
     let mut text = String::from("time_s,force_N,Hammer speed (mm/s)\n");
     for row in (0..run.time_s.len()).step_by(5) {
-        let speed = 1e3 * (run.hammer_head_m_per_s[row] + SPEED_NOISE * normal(&mut rng));
+        let speed = 1e3 * (run.hammer_rise_m_per_s[row] + SPEED_NOISE * normal(&mut rng));
         text += &format!("{},{},{speed}\n", run.time_s[row], run.force_n[row]);
     }
     Recording::read(text.as_bytes(), "synthetic", &Columns::default()).unwrap()
@@ -40,8 +40,8 @@ fn the_hammer_s_speed_is_the_rate_of_its_rise() {
             break;
         }
         let rate =
-            (run.hammer_head_m[row + 1] - run.hammer_head_m[row - 1]) / (run.time_s[row + 1] - run.time_s[row - 1]);
-        assert!((rate - run.hammer_head_m_per_s[row]).abs() < 0.02, "{}: {rate}", run.time_s[row]);
+            (run.hammer_rise_m[row + 1] - run.hammer_rise_m[row - 1]) / (run.time_s[row + 1] - run.time_s[row - 1]);
+        assert!((rate - run.hammer_rise_m_per_s[row]).abs() < 0.02, "{}: {rate}", run.time_s[row]);
         fastest = fastest.max(rate);
     }
     // The event's impact speed is the speed at the string.
@@ -53,11 +53,11 @@ fn the_hammer_s_speed_is_the_rate_of_its_rise() {
 #[test]
 fn the_hammer_s_speed_is_a_column() {
     let mut asks = asks(&["body.hammer.mass"]);
-    asks.sigma = vec![("hammer_head_m_per_s".to_owned(), SPEED_NOISE), ("force_N".to_owned(), 0.0)];
+    asks.sigma = vec![("hammer_rise_m_per_s".to_owned(), SPEED_NOISE), ("force_N".to_owned(), 0.0)];
     asks.plan.restarts = 1;
     let whole = speeds(0.12);
     let found = fit(std::slice::from_ref(&whole), &asks).unwrap();
-    assert_eq!(found.channels[0].title, "hammer_head_m_per_s");
+    assert_eq!(found.channels[0].title, "hammer_rise_m_per_s");
     assert!(found.doubts.iter().any(|doubt| doubt.kind == DoubtKind::BeyondImpact), "{:?}", found.doubts);
     // It is fastest as it reaches the string.
     let speeds_m_per_s = &whole.channels[1].values;
@@ -78,7 +78,7 @@ fn names_that_mislead_are_explained() {
     let fitted = varied(&[("body.hammer.mass", found.x[0]), ("let_off", found.x[3])]);
     let hammer = fitted.bodies.iter().find(|body| body.name == "hammer").unwrap();
     // The whole hammer turns about one pin: its moment over the strike point's distance.
-    let scale_g = 1e3 * hammer.mass_kg * hammer.center_of_mass_m[0] / fitted.roles.hammer_head_m[0];
+    let scale_g = 1e3 * hammer.mass_kg * hammer.center_of_mass_m[0] / fitted.roles.hammer_strike_point_m[0];
     assert_eq!((mass.name.as_str(), mass.quantity, mass.unit), ("body.hammer.mass", "strike weight", "g"));
     assert!((mass.value / scale_g - 1.0).abs() < 1e-9, "{mass:?} {scale_g}");
     assert!((mass.value / mass.before / found.x[0] - 1.0).abs() < 1e-9, "{mass:?}");

@@ -40,13 +40,13 @@ fn short(instrument: &Instrument, seed: u64, step_s: f64, force_noise_n: f64) ->
     let run = simulate(instrument, inputs.as_ref(), &setup, &mut |_| true).unwrap();
     let end_s = run.events.hammer_contact_s().expect("it reaches the string") + 3e-3;
     let mut rng = Rng::with_seed(seed);
-    let mut text = String::from("time_s,force_N,key_m,hammer_head_m\n");
+    let mut text = String::from("time_s,force_N,key_m,hammer_rise_m\n");
     for row in (0..run.time_s.len()).step_by((250e-6 / step_s).round() as usize) {
         if run.time_s[row] > end_s {
             break;
         }
         let [key, hammer] = [NOISE[1], NOISE[2]].map(|sigma| sigma * normal(&mut rng));
-        let (key, hammer) = (run.key_m[row] + key, run.hammer_head_m[row] + hammer);
+        let (key, hammer) = (run.key_m[row] + key, run.hammer_rise_m[row] + hammer);
         let force = if force_noise_n > 0.0 { force_noise_n * normal(&mut rng) } else { 0.0 };
         text += &format!("{},{},{key},{hammer}\n", run.time_s[row], run.force_n[row] + force);
     }

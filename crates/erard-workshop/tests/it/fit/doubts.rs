@@ -153,10 +153,10 @@ fn misfit_that_passes_for_noise() {
     let run = simulate(&other, inputs.as_ref(), &setup, &mut |_| true).unwrap();
     let table = |noise: [f64; 2]| {
         let mut rng = Rng::with_seed(3);
-        let mut text = String::from("time_s,force_N,key_m,hammer_head_m\n");
+        let mut text = String::from("time_s,force_N,key_m,hammer_rise_m\n");
         for row in (0..run.time_s.len()).step_by(50) {
             let [key, hammer] = noise.map(|sigma| sigma * normal(&mut rng));
-            let (key, hammer) = (run.key_m[row] + key, run.hammer_head_m[row] + hammer);
+            let (key, hammer) = (run.key_m[row] + key, run.hammer_rise_m[row] + hammer);
             text += &format!("{},{},{key},{hammer}\n", run.time_s[row], run.force_n[row]);
         }
         Recording::read(text.as_bytes(), "synthetic", &Columns::default()).unwrap()

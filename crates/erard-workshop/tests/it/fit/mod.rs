@@ -55,11 +55,11 @@ fn recorded(instrument: &Instrument, nuance: &str, seed: u64, noise: [f64; 3], l
     let run = simulate(instrument, inputs.as_ref(), &setup, &mut |_| true).unwrap();
     let mut rng = Rng::with_seed(seed);
     let late = (late_s / setup.settings.step).round() as usize;
-    let mut text = String::from("time_s,force_N,key_m,hammer_head_m\n");
+    let mut text = String::from("time_s,force_N,key_m,hammer_rise_m\n");
     for row in (late..run.time_s.len()).step_by(5) {
         let mut noisy = |value: f64, sigma: f64| value + sigma * normal(&mut rng);
         let force = noisy(run.force_n[row], noise[0]);
-        let (key, hammer) = (noisy(run.key_m[row - late], noise[1]), noisy(run.hammer_head_m[row - late], noise[2]));
+        let (key, hammer) = (noisy(run.key_m[row - late], noise[1]), noisy(run.hammer_rise_m[row - late], noise[2]));
         text += &format!("{},{force},{key},{hammer}\n", run.time_s[row]);
     }
     Recording::read(text.as_bytes(), "synthetic", &Columns::default()).unwrap()
@@ -79,7 +79,7 @@ struct Asks<'a> {
 fn asks<'a>(vary: &'a [&'a str]) -> Asks<'a> {
     let bounds =
         vary.iter().filter(|name| LET_OFF.0.contains(name)).map(|name| ((*name).to_owned(), LET_OFF.1)).collect();
-    let sigma = vec![("key_m".to_owned(), NOISE[1]), ("hammer_head_m".to_owned(), NOISE[2])];
+    let sigma = vec![("key_m".to_owned(), NOISE[1]), ("hammer_rise_m".to_owned(), NOISE[2])];
     Asks { vary, bounds, sigma, delay: false, drive: None, columns: None, plan: Plan::default() }
 }
 
@@ -212,7 +212,7 @@ fn the_recordings_tell_the_grand_that_made_them() {
     });
     let data = data.collect::<Result<Vec<_>, _>>().unwrap();
     let parameters = fit_parameters(&grand, &names, &bounds).unwrap();
-    let sigma = [("key_m".to_owned(), 10e-6), ("hammer_head_m".to_owned(), 50e-6)];
+    let sigma = [("key_m".to_owned(), 10e-6), ("hammer_rise_m".to_owned(), 50e-6)];
     let problem = Problem::new(&grand.instrument, parameters, data, false).unwrap();
     let noise = NoiseModel::new(&problem, &sigma.to_vec()).unwrap();
     let found = erard_workshop::fit::fit(&mut simulator(&problem), &noise, &Plan::default()).unwrap();

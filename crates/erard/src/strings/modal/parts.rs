@@ -53,7 +53,7 @@ pub(super) fn impact_step_s(instrument: &Instrument) -> f64 {
 /// ```
 fn wall_contact_s(instrument: &Instrument) -> Option<f64> {
     let (hammer, zone) = (instrument.roles.hammer?, instrument.roles.string?);
-    let [x, y] = instrument.roles.hammer_head_m;
+    let [x, y] = instrument.roles.hammer_strike_point_m;
     let (felt, mass_kg) = (&instrument.zones[zone].felt, instrument.bodies[hammer].inertia_kg_m2 / (x * x + y * y));
     let n = felt.exponent + 1.0;
     let deep_m = libm::pow(0.5 * n * mass_kg * FORTISSIMO_M_PER_S * FORTISSIMO_M_PER_S / felt.stiffness, 1.0 / n);

@@ -14,7 +14,7 @@ use erard_workshop::first_impact::STEP_S;
 const RESIDUAL: f64 = 1e-4;
 /// Speed at which the head falls on the strings, m/s; a weight of 2 N keeps it there.
 const FALLS_M_PER_S: f64 = 2.0;
-const GRAVITY_M_S2: f64 = 225.0;
+const GRAVITY_M_PER_S2: f64 = 225.0;
 /// Steps for this, s, and duration, s.
 const STEPS_S: [f64; 3] = [20e-6, 50e-6, 200e-6];
 const STAYS_S: f64 = 1.0;
@@ -38,7 +38,7 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
         told.join(", "),
         told.len() == NUANCES.len() && worst < RESIDUAL && least >= 0.0,
     ));
-    let falling = head::falling(grand, GRAVITY_M_S2)?;
+    let falling = head::falling(grand, GRAVITY_M_PER_S2)?;
     let mut told = Vec::new();
     let mut holds = true;
     for (n, step_s) in STEPS_S.into_iter().enumerate() {

@@ -118,7 +118,7 @@ fn whole_action(grand: &Instrument, step_s: f64) -> Result<Option<Impact>, Repro
     for _ in 0..steps as usize {
         let reading = action.step(Input::Force(FORCE_N));
         forces_n.push(reading.string_n);
-        speeds_m_per_s.push(reading.hammer_m_per_s);
+        speeds_m_per_s.push(reading.hammer_rise_m_per_s);
     }
     let partials = action.strings().map(|strings| amplitudes(strings, steps * step_s - ACTION_S));
     Ok(partials.and_then(|partials| Impact::of(&forces_n, &speeds_m_per_s, step_s, partials)))

@@ -51,10 +51,10 @@ pub(crate) fn before(grand: &Instrument) -> Result<Instrument, ReproduceError> {
 }
 
 /// The head turned over, with a weight that keeps it on the strings.
-pub(super) fn falling(grand: &Instrument, gravity_m_s2: f64) -> Result<Instrument, ReproduceError> {
+pub(super) fn falling(grand: &Instrument, gravity_m_per_s2: f64) -> Result<Instrument, ReproduceError> {
     let mut head = before(grand)?;
     head.edit(|fields| {
-        fields.gravity_m_s2 = gravity_m_s2;
+        fields.gravity_m_per_s2 = gravity_m_per_s2;
         fields.zones[0].curve = Curve::Line { point_m: [1.0, 0.0], normal: [0.0, 1.0] };
     })
     .expect("numbers alone");
