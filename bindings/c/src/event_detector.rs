@@ -225,5 +225,5 @@ pub unsafe extern "C" fn erard_action_contacts(
 pub unsafe extern "C" fn erard_action_is_asleep(action: *const ErardAction) -> u32 {
     // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
     // no other call changes it meanwhile.
-    u32::from(unsafe { action.as_ref() }.is_some_and(|action| action.play.action.rests()))
+    u32::from(unsafe { action.as_ref() }.is_some_and(|action| action.play.action.is_asleep()))
 }

@@ -15,7 +15,7 @@ pub const ERARD_HALVING_NEVER: u32 = 1;
 
 fn halving(kind: u32) -> Result<Halving, Fault> {
     match kind {
-        ERARD_HALVING_AUTO => Ok(Halving::AsAsked),
+        ERARD_HALVING_AUTO => Ok(Halving::Auto),
         ERARD_HALVING_NEVER => Ok(Halving::Never),
         _ => Err(Fault::new(
             ErardStatus::Argument,

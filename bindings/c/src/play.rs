@@ -3,7 +3,7 @@
 
 use erard::player::{MechanismState, SNAPSHOT_MARK};
 use erard::saved::{Lists, Writer};
-use erard::{Action, Input, Outcome, Settings, SnapshotError};
+use erard::{Action, Input, Settings, SnapshotError, StepOutcome};
 
 use crate::reading::{ERARD_MAX_ADVANCE_S, ErardInput, ErardReading};
 use crate::status::ErardStatus;
@@ -127,11 +127,11 @@ impl Play {
     fn one(&mut self, input: Input) -> ErardStatus {
         let now = self.action.step(input);
         let status = match now.outcome {
-            Outcome::Converged => ErardStatus::Ok,
-            Outcome::IterationLimit => ErardStatus::IterationLimit,
+            StepOutcome::Converged => ErardStatus::Ok,
+            StepOutcome::IterationLimit => ErardStatus::IterationLimit,
             // Action and reading are unchanged.
-            Outcome::NonFinite => return ErardStatus::NotFinite,
-            Outcome::TooManyLaws => return ErardStatus::Internal,
+            StepOutcome::NonFinite => return ErardStatus::NotFinite,
+            StepOutcome::TooManyLaws => return ErardStatus::Internal,
         };
         let reading = &mut self.reading;
         if let Some(impact) = now.impact {

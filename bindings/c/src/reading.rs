@@ -17,9 +17,9 @@ pub const ERARD_MAX_POSITION_M: f64 = 0.1;
 /// Largest speed that an action accepts, m/s, up or down.
 pub const ERARD_MAX_SPEED_M_PER_S: f64 = 100.0;
 // The ranges of every front.
-const _: () = assert!(ERARD_MAX_FORCE_N == erard::player::LARGEST_FORCE_N);
-const _: () = assert!(ERARD_MAX_POSITION_M == erard::player::LARGEST_POSITION_M);
-const _: () = assert!(ERARD_MAX_SPEED_M_PER_S == erard::player::LARGEST_SPEED_M_PER_S);
+const _: () = assert!(ERARD_MAX_FORCE_N == erard::player::MAX_FORCE_N);
+const _: () = assert!(ERARD_MAX_POSITION_M == erard::player::MAX_POSITION_M);
+const _: () = assert!(ERARD_MAX_SPEED_M_PER_S == erard::player::MAX_SPEED_M_PER_S);
 /// Longest time that one call of erard_action_advance accepts, s.
 pub const ERARD_MAX_ADVANCE_S: f64 = 1.0;
 

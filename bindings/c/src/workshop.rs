@@ -8,7 +8,7 @@ use std::ptr::null_mut;
 use erard::instrument::{Instrument, InstrumentFile, KeyError};
 use erard::keyboard::KEYS;
 use erard::parameter::canonical_name;
-use erard::parameter::{ChangeError, Wanted, varied_text};
+use erard::parameter::{ChangeError, ParameterChange, varied_text};
 use erard_figures::drawing::{PoseOptions, pose_picture};
 use erard_figures::page::scene;
 use erard_workshop::diagnose::{self, Typed, diagnose};
@@ -44,7 +44,7 @@ pub unsafe extern "C" fn erard_instrument_vary(
 ) -> ErardStatus {
     // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no other call uses it
     // meanwhile; `called` and `change` are NULL, or texts that end with a zero and do not change during the call.
-    tell(|| unsafe { vary(instrument, called, change, Wanted::Text) })
+    tell(|| unsafe { vary(instrument, called, change, ParameterChange::Text) })
 }
 
 /// Changes one quantity as erard_instrument_vary does, for a field in which a person types: a number without a unit is
@@ -58,14 +58,14 @@ pub unsafe extern "C" fn erard_instrument_vary_field(
 ) -> ErardStatus {
     // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no other call uses it
     // meanwhile; `called` and `change` are NULL, or texts that end with a zero and do not change during the call.
-    tell(|| unsafe { vary(instrument, called, change, Wanted::Field) })
+    tell(|| unsafe { vary(instrument, called, change, ParameterChange::Field) })
 }
 
 unsafe fn vary(
     instrument: *mut ErardInstrument,
     called: *const c_char,
     change: *const c_char,
-    wanted: fn(String) -> Wanted,
+    wanted: fn(String) -> ParameterChange,
 ) -> Result<(), Fault> {
     // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no other call uses it
     // meanwhile.

@@ -1,7 +1,7 @@
 //! Keys of a keyboard with sensors: readings of a converter in, bytes of MIDI out.
 
 use erard_live::SensorKind;
-use erard_live::board::{self, Mechanism, Outline, Sensor};
+use erard_live::board::{self, BoardMechanism, Outline, Sensor};
 use erard_live::sensor::FixedLaw;
 use erard_midi::{Message, Resolution};
 use moreau::{ModelError, Scalar};
@@ -20,11 +20,11 @@ pub const LOWEST_KEY: usize = 40;
 pub const LONG_STEP_S: f64 = 250e-6;
 
 /// A key takes no more memory on a chip in single precision, bytes.
-const MOST: usize = 2048;
-const _: () = assert!(size_of::<usize>() > 4 || size_of::<Key<f32>>() <= MOST, "a key has 2 kB at most");
+const MAX_KEY_BYTES: usize = 2048;
+const _: () = assert!(size_of::<usize>() > 4 || size_of::<Key<f32>>() <= MAX_KEY_BYTES, "a key has 2 kB at most");
 
 /// What all keys share: the model, and the working memory of a step.
-pub struct Keys<T: Scalar>(Mechanism<T, BODIES, ZONES, { grand::LAWS }>);
+pub struct Keys<T: Scalar>(BoardMechanism<T, BODIES, ZONES, { grand::LAWS }>);
 
 impl<T: Scalar> Keys<T> {
     /// Every key is the built-in grand's, in steps of `step_s`.
@@ -39,7 +39,7 @@ impl<T: Scalar> Keys<T> {
             limits: LIMITS,
             damper_m: grand::DAMPER_M,
         };
-        Ok(Keys(Mechanism::new(crate::model()?, outline, step_s)?))
+        Ok(Keys(BoardMechanism::new(crate::model()?, outline, step_s)?))
     }
 
     /// A key at rest, its number from the lowest A, 1, with its sensor under the front of a real action's key.

@@ -23,7 +23,8 @@ pub use play::{Note, STEP_S, STEPS, Work, digest, play};
 pub use scan::{Scanned, reading};
 
 use moreau::{
-    Description, Hand, Input, Model, ModelError, Outcome, Scalar, Settings, State, StepReport, Workspace, step,
+    Description, Model, ModelError, Scalar, Settings, SiteHand, SiteInput, State, StepOutcome, StepReport, Workspace,
+    step,
 };
 
 #[cfg(feature = "alone")]
@@ -58,12 +59,12 @@ impl<T: Scalar> Grand<T> {
 
     /// One step under a force on the key front, N, down positive. A force that is not finite leaves it where it was.
     pub fn step_force(&mut self, force_n: T) -> StepReport {
-        step(&self.model, &self.settings, &Input::Force(force_n), &mut self.state, &mut self.workspace)
+        step(&self.model, &self.settings, &SiteInput::Force(force_n), &mut self.state, &mut self.workspace)
     }
 
     /// One step under a device that is so far below the key's rest, m, and moves so fast, m/s, behind a soft fingertip.
     pub fn step_motion(&mut self, position_m: T, velocity_m_per_s: T) -> StepReport {
-        let input = Input::Motion { position: self.rest_m + position_m, velocity: velocity_m_per_s };
+        let input = SiteInput::Motion { position: self.rest_m + position_m, velocity: velocity_m_per_s };
         step(&self.model, &self.settings, &input, &mut self.state, &mut self.workspace)
     }
 
@@ -71,8 +72,8 @@ impl<T: Scalar> Grand<T> {
     /// it was.
     pub fn step_hand(&mut self, mass_kg: T, force_n: T) -> StepReport {
         let z = T::ZERO;
-        let hand = Hand { mass: mass_kg, force: force_n, stiffness: z, damping: z, position: z, velocity: z };
-        step(&self.model, &self.settings, &Input::Hand(hand), &mut self.state, &mut self.workspace)
+        let hand = SiteHand { mass: mass_kg, force: force_n, stiffness: z, damping: z, position: z, velocity: z };
+        step(&self.model, &self.settings, &SiteInput::Hand(hand), &mut self.state, &mut self.workspace)
     }
 
     /// Places the hand, m below the key's rest, with a velocity, m/s, down positive; a new grand has it at the key's
@@ -124,7 +125,7 @@ fn model<T: Scalar>() -> Result<Model<T, BODIES, ZONES>, ModelError> {
 pub extern "C" fn erard_key_travel(force_n: f32, step_s: f32, steps: u32) -> f32 {
     let Ok(mut grand) = Grand::new(step_s) else { return f32::NAN };
     for _ in 0..steps {
-        if grand.step_force(force_n).outcome == Outcome::NonFinite {
+        if grand.step_force(force_n).outcome == StepOutcome::NonFinite {
             return f32::NAN;
         }
     }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use erard::instrument::Instrument as Inner;
 use erard::player::{self, Action as Player, Hand, Input, Snapshot};
 use erard::strings::Strings;
-use erard::{Outcome, SimulationError};
+use erard::{SimulationError, StepOutcome};
 use numpy::{PyArray1, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
@@ -123,7 +123,7 @@ impl Reading {
             hand_m: now.hand_m,
             hand_m_per_s: now.hand_m_per_s,
             bridge_n,
-            converged: now.outcome == Outcome::Converged,
+            converged: now.outcome == StepOutcome::Converged,
             impact,
         }
     }
@@ -185,7 +185,7 @@ impl Action {
         let input = driven(self.hand, input(force, motion, rigid)?)?;
         let mut player = self.lock(py);
         player.step(input);
-        if player.reading().outcome == Outcome::NonFinite {
+        if player.reading().outcome == StepOutcome::NonFinite {
             return Err(failed("a number became infinite; the action is where it was before the step"));
         }
         Ok(reading(&player))

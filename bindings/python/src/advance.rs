@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use erard::Outcome;
+use erard::StepOutcome;
 use erard::player::Input;
 use erard::run::SimulationError;
 use erard::strings::Strings;
@@ -99,7 +99,7 @@ impl Action {
         let (mut sum_n, mut impacts, mut last, mut failed) = (0.0, 0.0, [f64::NAN; 2], 0.0);
         for n in 0..steps {
             let now = player.step(input.later(n as f64 * h, h));
-            if now.outcome == Outcome::NonFinite {
+            if now.outcome == StepOutcome::NonFinite {
                 failed = 1.0;
                 break;
             }

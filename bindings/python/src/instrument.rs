@@ -5,7 +5,7 @@ use std::sync::Arc;
 use erard::instrument::{Certainty, Instrument as Inner, InstrumentFile, Provenance, numbers_at};
 use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::Keyboard;
-use erard::parameter::{Wanted, register, varied_of, with_changed_numbers};
+use erard::parameter::{ParameterChange, register, varied_of, with_changed_numbers};
 use erard::stroke::NUANCES;
 use erard_kinematics::LinkageFile;
 use erard_workshop::study::Source;
@@ -21,11 +21,11 @@ pub(crate) enum Value {
     Text(String),
 }
 
-impl From<Value> for Wanted {
+impl From<Value> for ParameterChange {
     fn from(value: Value) -> Self {
         match value {
-            Value::Number(number) => Wanted::Value(number),
-            Value::Text(text) => Wanted::Text(text),
+            Value::Number(number) => ParameterChange::Value(number),
+            Value::Text(text) => ParameterChange::Text(text),
         }
     }
 }
@@ -173,7 +173,7 @@ impl Instrument {
     /// Returns the text of the file with the numbers that were changed by their paths, and the other changes: variants
     /// of a study are made from them.
     pub(crate) fn source(&self) -> PyResult<Source> {
-        let changes: Vec<(String, Wanted)> =
+        let changes: Vec<(String, ParameterChange)> =
             self.changes.iter().map(|(name, value)| (name.clone(), value.clone().into())).collect();
         let (text, changes) =
             with_changed_numbers(&self.read.instrument, &self.text, &changes).map_err(|error| fault::change(&error))?;
@@ -200,7 +200,7 @@ impl Instrument {
             Some(read) => read,
             None => Arc::new(InstrumentFile::parse(&text, &file_name).map_err(|error| fault::file(&error))?),
         };
-        let asked: Vec<(String, Wanted)> =
+        let asked: Vec<(String, ParameterChange)> =
             changes.iter().map(|(name, value)| (name.clone(), value.clone().into())).collect();
         let file = varied_of(&read, &text, &file_name, &asked).map_err(|error| fault::change(&error))?;
         Ok(Instrument { text, file_name, read, changes, provenance: file.provenance, inner: Arc::new(file.instrument) })

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use erard::level::{DURATION_S, Kind, Reference, named};
+use erard::level::{DURATION_S, HandKind, Reference, named};
 use erard::stroke::{
     ForceSeries, MAX_FORCE_N, MAX_POSITION_M, PositionOf, PositionSeries, Prescribed, SampleError, Series,
     Stroke as Inner, Touch, constant_force_fault,
@@ -100,7 +100,7 @@ impl Stroke {
         touch: &str,
         mass_kg: f64,
     ) -> PyResult<Self> {
-        let kind = Kind { touch: touched(touch)?, mass_kg };
+        let kind = HandKind { touch: touched(touch)?, mass_kg };
         let speed_m_per_s = speed_m_per_s.or_else(|| named(name)).ok_or_else(|| {
             wrong_argument("stroke", format!("found `{name}`, expected pp, p, mf, f, ff or a recording"))
         })?;

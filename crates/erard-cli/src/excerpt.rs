@@ -4,12 +4,12 @@ use std::fmt::Write;
 
 use erard::instrument::FileError;
 
-use crate::table::{WIDEST, wrapped};
+use crate::table::{MAX_WIDTH, wrapped};
 
 /// Characters of a long line that stay in front of the wrong ones.
 const BEFORE: usize = 20;
 
-/// Draws the place of an error, at most [`WIDEST`] characters wide: of longer lines the part around the wrong
+/// Draws the place of an error, at most [`MAX_WIDTH`] characters wide: of longer lines the part around the wrong
 /// characters. `None` where the error belongs to no line.
 pub(crate) fn excerpt(error: &FileError) -> Option<String> {
     let wrong = error.line.checked_sub(1)?;
@@ -21,7 +21,7 @@ pub(crate) fn excerpt(error: &FileError) -> Option<String> {
     let room = shown.end.to_string().len();
     let margin = " ".repeat(room + 2);
     let mut out = format!("  × {}\n{margin}╭─[{}:{}:{}]\n", error.message, error.file, error.line, error.column);
-    let width = WIDEST - room - 4;
+    let width = MAX_WIDTH - room - 4;
     let (before, length) = marked(error);
     // The message hangs from the middle of the mark.
     let message = 4 + error.message.chars().count();
@@ -38,7 +38,7 @@ pub(crate) fn excerpt(error: &FileError) -> Option<String> {
     let _ = writeln!(out, "{margin}╰────");
     if !error.expected.is_empty() {
         let help = format!("expected {}", error.expected);
-        let _ = writeln!(out, "  help: {}", wrapped(&help, WIDEST - 8).join("\n        "));
+        let _ = writeln!(out, "  help: {}", wrapped(&help, MAX_WIDTH - 8).join("\n        "));
     }
     Some(out)
 }
@@ -100,7 +100,7 @@ mod tests {
   help: expected one of `name`, `hinged_on`, `pivot_mm`, `angle_deg`, `mass_g`, `inertia_kg_m2`,
         `center_of_mass_mm`,";
         assert!(drawn.starts_with(picture), "{drawn}");
-        assert!(drawn.lines().all(|line| line.chars().count() <= super::WIDEST), "{drawn}");
+        assert!(drawn.lines().all(|line| line.chars().count() <= super::MAX_WIDTH), "{drawn}");
     }
 
     #[test]
@@ -136,7 +136,7 @@ mod tests {
         assert!(drawn.contains(&format!(" 2 {bar} {dots}{}\", wrong = 3\n", "y".repeat(16))), "{drawn}");
         assert!(drawn.contains("  \u{b7}                     \u{2500}\u{2500}\u{252c}\u{2500}\u{2500}\n"), "{drawn}");
         for drawn in [drawn, at("x ="), at(&note[..400])] {
-            assert!(drawn.lines().all(|line| line.chars().count() <= super::WIDEST), "{drawn}");
+            assert!(drawn.lines().all(|line| line.chars().count() <= super::MAX_WIDTH), "{drawn}");
             assert!(drawn.contains(dots), "{drawn}");
         }
     }

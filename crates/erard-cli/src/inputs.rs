@@ -10,7 +10,7 @@ use erard::instrument::{FileError, file_bytes};
 use same_file::Handle;
 
 /// Most bytes of a library.
-const MOST_LIBRARY_BYTES: u64 = 256 << 20;
+const MAX_LIBRARY_BYTES: u64 = 256 << 20;
 
 /// Files that have been opened for reading.
 #[derive(Debug, Default)]
@@ -58,10 +58,10 @@ impl Inputs {
         if !found.is_file() {
             return Err("is not a file; expected the library liberard".into());
         }
-        if found.len() > MOST_LIBRARY_BYTES {
-            return Err(format!("larger than {} MiB: this is not liberard", MOST_LIBRARY_BYTES >> 20));
+        if found.len() > MAX_LIBRARY_BYTES {
+            return Err(format!("larger than {} MiB: this is not liberard", MAX_LIBRARY_BYTES >> 20));
         }
-        self.beginning(path, MOST_LIBRARY_BYTES).map_err(|error| error.to_string())
+        self.beginning(path, MAX_LIBRARY_BYTES).map_err(|error| error.to_string())
     }
 
     /// Remembers a file that somebody else reads for this session.

@@ -13,7 +13,7 @@ const PAPERS: [Name<&str>; 2] = [("a4", "210 mm x 297 mm", "A4"), ("letter", "8.
 
 /// What stands at the head of a printed page. A page names no day by itself: the same work makes the same page.
 #[derive(Debug, Clone, Default, Args)]
-pub(crate) struct Headed {
+pub(crate) struct PageHeader {
     /// Serial number of the piano, for the head of the page to print
     #[arg(long, value_name = "TEXT", value_parser = words)]
     pub serial: Option<String>,
@@ -29,11 +29,11 @@ pub(crate) struct Headed {
 }
 
 /// Longest text, characters: the page has room for no more.
-const LONGEST: usize = 400;
+const MAX_CHARACTERS: usize = 400;
 
 fn words(text: &str) -> Result<String, String> {
     match text.chars().count() {
-        count if count > LONGEST => Err(format!("{count} characters; expected at most {LONGEST}")),
+        count if count > MAX_CHARACTERS => Err(format!("{count} characters; expected at most {MAX_CHARACTERS}")),
         _ if text.chars().any(char::is_control) => Err("expected one line of text".to_owned()),
         _ => Ok(text.trim().to_owned()),
     }

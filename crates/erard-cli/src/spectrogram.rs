@@ -11,7 +11,7 @@ const WINDOW: usize = 4096;
 /// Columns and rows at most, and the highest frequency shown, Hz.
 const COLUMNS: usize = 160;
 const ROWS: usize = 200;
-const HIGHEST_HZ: f64 = 10e3;
+const MAX_HZ: f64 = 10e3;
 /// Below the loudest place, dB.
 const RANGE_DB: f64 = 90.0;
 
@@ -22,7 +22,7 @@ fn levels(samples: &[f64], rate_hz: f64) -> Vec<Vec<f64>> {
     let columns = samples.len().clamp(1, COLUMNS);
     let transform = Fourier::of(WINDOW);
     let weight = |i: usize| 0.5 - 0.5 * (2.0 * PI * i as f64 / WINDOW as f64).cos();
-    let bins = (HIGHEST_HZ / rate_hz * WINDOW as f64) as usize;
+    let bins = (MAX_HZ / rate_hz * WINDOW as f64) as usize;
     let column = |index: usize| -> Vec<f64> {
         let middle = (2 * index + 1) * samples.len() / (2 * columns);
         // Before the sound and after it there is silence.
@@ -52,7 +52,7 @@ pub(crate) fn spectrogram_picture(samples: &[f64], rate_hz: f64, title: &str) ->
         ),
         levels: levels(samples, rate_hz).into_iter().map(blackness).collect(),
         duration_s: samples.len() as f64 / rate_hz,
-        highest_hz: HIGHEST_HZ,
+        highest_hz: MAX_HZ,
     };
     spectrogram.picture()
 }
@@ -67,7 +67,7 @@ mod tests {
         let tone = |i: usize| if i < 24_000 { 0.0 } else { (2.0 * PI * 3e3 * i as f64 / 48e3).sin() };
         let samples: Vec<f64> = (0..48_000).map(tone).collect();
         let levels = levels(&samples, 48e3);
-        let row = (3e3 / HIGHEST_HZ * ROWS as f64) as usize;
+        let row = (3e3 / MAX_HZ * ROWS as f64) as usize;
         let of = |share: f64| &levels[(share * levels.len() as f64) as usize];
         let near = |column: &Vec<f64>| column[row - 1..=row + 1].iter().copied().fold(-1e3, f64::max);
         assert!(near(of(0.8)) > -1.0 && near(of(0.2)) < -80.0);

@@ -12,11 +12,11 @@ const LEFT_PX: f64 = 34.0;
 /// would be wider than the widest has narrower seconds.
 const SECOND_PX: [f64; 2] = [60.0, 600.0];
 const PAGE_PX: f64 = 860.0;
-const WIDEST_PX: f64 = 60_000.0;
+const MAX_WIDTH_PX: f64 = 60_000.0;
 /// A note is drawn this wide at least, px.
 const LEAST_PX: f64 = 1.5;
 /// So many notes are drawn; those that went wrong before all others.
-const MOST: usize = 20_000;
+const MAX_NOTES: usize = 20_000;
 
 /// Outcome of a note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,7 +56,7 @@ pub fn roll_svg(title: &str, notes: &[RollNote], duration_s: f64, name_of: &dyn 
     let lowest = notes.iter().map(|note| note.key).min().unwrap_or(40).saturating_sub(1).max(1);
     let highest = notes.iter().map(|note| note.key).max().unwrap_or(40) + 1;
     let [least, most] = SECOND_PX;
-    let px_s = (PAGE_PX / duration_s.max(1.0)).clamp(least, most).min(WIDEST_PX / duration_s.max(1.0));
+    let px_s = (PAGE_PX / duration_s.max(1.0)).clamp(least, most).min(MAX_WIDTH_PX / duration_s.max(1.0));
     let width = LEFT_PX + px_s * duration_s + 12.0;
     let bottom = TOP_PX + ROW_PX * (highest - lowest + 1) as f64;
     let top_of = |key: usize| TOP_PX + ROW_PX * (highest - key) as f64;
@@ -87,8 +87,8 @@ pub fn roll_svg(title: &str, notes: &[RollNote], duration_s: f64, name_of: &dyn 
         let _ = write!(out, "<path class=\"tick\" d=\"M{x} {TOP_PX}V{b}\"/>", x = number(x), b = number(bottom));
         text(&mut out, "time", [x + 2.0, TOP_PX - 5.0], "", &format!("{} s", number(every * n as f64)));
     }
-    let wrong = notes.iter().filter(|note| note.kind != RollKind::Right).take(MOST);
-    let room = MOST.saturating_sub(notes.iter().filter(|note| note.kind != RollKind::Right).count());
+    let wrong = notes.iter().filter(|note| note.kind != RollKind::Right).take(MAX_NOTES);
+    let room = MAX_NOTES.saturating_sub(notes.iter().filter(|note| note.kind != RollKind::Right).count());
     let right = notes.iter().filter(|note| note.kind == RollKind::Right).take(room);
     for note in right.chain(wrong) {
         draw(&mut out, note, top_of(note.key), px_s);

@@ -4,8 +4,8 @@
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
 use erard_midi::{Event, Law, Message, Pedal, ReleaseLaw, Resolution, note_of_key};
 use moreau::{
-    GROUND, Hand, ImpactPredictor, Input, Model, ModelError, Outcome, RIGID_CORRECTION, Scalar, Settings, Sleep, State,
-    TrackedPoint, Vector, Workspace, vector::dot,
+    GROUND, ImpactPredictor, Model, ModelError, RIGID_CORRECTION, Scalar, Settings, SiteHand, SiteInput, Sleep, State,
+    StepOutcome, TrackedPoint, Vector, Workspace, vector::dot,
 };
 
 use crate::converter::{Converter, Stops};
@@ -57,7 +57,7 @@ pub struct Sensor {
 }
 
 /// The action that all keys share: its constant model and the working memory of a step.
-pub struct Mechanism<T: Scalar, const B: usize, const Z: usize, const N: usize> {
+pub struct BoardMechanism<T: Scalar, const B: usize, const Z: usize, const N: usize> {
     model: Model<T, B, Z>,
     settings: Settings<T>,
     step_s: f64,
@@ -68,7 +68,7 @@ pub struct Mechanism<T: Scalar, const B: usize, const Z: usize, const N: usize> 
     workspace: Workspace<T, B, Z, N>,
 }
 
-impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Mechanism<T, B, Z, N> {
+impl<T: Scalar, const B: usize, const Z: usize, const N: usize> BoardMechanism<T, B, Z, N> {
     /// Makes the mechanism of a model that has a key's front to drive, with steps of `step_s`.
     ///
     /// # Errors
@@ -79,7 +79,7 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Mechanism<T, B, 
         let front = model.site().map_or(nowhere, |s| (TrackedPoint::of(&model, s.body, s.point), s.direction));
         let tolerance = T::from_f64(TOLERANCE);
         let settings = Settings { tolerance, ..Settings::new(T::from_f64(step_s)) };
-        let mut all = Mechanism { settings, step_s, outline, front, rest_m: T::ZERO, workspace, model };
+        let mut all = BoardMechanism { settings, step_s, outline, front, rest_m: T::ZERO, workspace, model };
         [all.rest_m, _] = all.front(&outline.rest.map(T::from_f64), &[T::ZERO; B]);
         Ok(all)
     }
@@ -179,7 +179,7 @@ impl<T: Scalar, const B: usize, const Z: usize> Key<T, B, Z> {
     }
 
     /// Whether its action is still and its next steps would change nothing.
-    pub fn rests(&self) -> bool {
+    pub fn is_asleep(&self) -> bool {
         self.action.sleep.is_asleep()
     }
 
@@ -203,7 +203,7 @@ struct Own<T: Scalar, const B: usize, const Z: usize> {
 }
 
 struct Shared<'a, T: Scalar, const B: usize, const Z: usize, const N: usize> {
-    mechanism: &'a mut Mechanism<T, B, Z, N>,
+    mechanism: &'a mut BoardMechanism<T, B, Z, N>,
     own: &'a mut Own<T, B, Z>,
 }
 
@@ -213,12 +213,12 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Shared<'_, T, B,
         front_m - self.mechanism.rest_m
     }
 
-    fn input(&mut self, push: &Push<T>) -> Input<T> {
+    fn input(&mut self, push: &Push<T>) -> SiteInput<T> {
         let rest_m = self.mechanism.rest_m;
         match *push {
-            Push::Free => Input::Free,
-            Push::Force(force_n) => Input::Force(force_n),
-            Push::Hand(hand) => Input::Hand(Hand { position: rest_m + hand.position, ..hand }),
+            Push::Free => SiteInput::Free,
+            Push::Force(force_n) => SiteInput::Force(force_n),
+            Push::Hand(hand) => SiteInput::Hand(SiteHand { position: rest_m + hand.position, ..hand }),
             Push::Rigid { position_m, velocity_m_per_s } => {
                 // What the key lags behind the motion is taken back little by little.
                 let h = self.mechanism.settings.step;
@@ -226,7 +226,7 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Shared<'_, T, B,
                 let behind_m = aimed_m - self.key_m();
                 let is_there = velocity_m_per_s == T::ZERO && behind_m.abs() < T::from_f64(THERE_M);
                 let correction = if is_there { T::ZERO } else { T::from_f64(RIGID_CORRECTION) * behind_m / h };
-                Input::Rigid { velocity: velocity_m_per_s + correction }
+                SiteInput::Rigid { velocity: velocity_m_per_s + correction }
             }
         }
     }
@@ -238,18 +238,18 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Steps<T> for Sha
         if self.own.sleep.would_rest(&input).is_some() {
             return Stepped { key_m: self.key_m(), hit: None, is_finite: true };
         }
-        let Mechanism { model, settings, workspace, step_s, .. } = &mut *self.mechanism;
+        let BoardMechanism { model, settings, workspace, step_s, .. } = &mut *self.mechanism;
         let Own { state, sleep, predictor, steps, unconverged, .. } = &mut *self.own;
         let report = sleep.step(model, settings, &input, state, workspace);
         *steps += 1;
-        *unconverged += u32::from(report.outcome == Outcome::IterationLimit);
+        *unconverged += u32::from(report.outcome == StepOutcome::IterationLimit);
         let now_s = *steps as f64 * *step_s;
         predictor.update(model, now_s, &state.angle, &state.velocity);
         let hit = predictor.impact().map(|impact| (impact.time_s - now_s, impact.speed));
-        Stepped { key_m: self.key_m(), hit, is_finite: report.outcome != Outcome::NonFinite }
+        Stepped { key_m: self.key_m(), hit, is_finite: report.outcome != StepOutcome::NonFinite }
     }
 
-    fn rests(&self) -> bool {
+    fn is_asleep(&self) -> bool {
         self.own.sleep.is_asleep()
     }
 

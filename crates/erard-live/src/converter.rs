@@ -5,7 +5,7 @@ use moreau::Scalar;
 use crate::sensor::LawOf;
 
 /// Drift is followed up to this share of a sensor's range.
-const MOST_DRIFT: f64 = 0.15;
+const MAX_DRIFT: f64 = 0.15;
 /// A reading nearer to its rest than this share of the range may be the rest.
 const NEAR_REST: f64 = 0.03;
 /// Such a reading is the rest if it has stayed within this share of the range for this time, s.
@@ -56,7 +56,7 @@ impl<T: Scalar, P: AsRef<[[f64; 2]]>> Converter<T, P> {
 
     /// Travel of the sensed place, m, at a reading at an instant, s.
     pub fn travel_m(&mut self, time_s: f64, reading: T) -> T {
-        let most = T::from_f64(MOST_DRIFT);
+        let most = T::from_f64(MAX_DRIFT);
         let read = (reading - self.rest) / self.range;
         let (since_s, around) = self.steady.unwrap_or((time_s, read));
         let off = read - self.drift;

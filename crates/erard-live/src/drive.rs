@@ -1,6 +1,6 @@
 //! Conversion of samples to the drive of a key in each step.
 
-use moreau::{Hand, Scalar};
+use moreau::{Scalar, SiteHand};
 
 use crate::limits::{CEILING_N, Limits};
 
@@ -49,7 +49,7 @@ pub enum Push<T> {
         velocity_m_per_s: T,
     },
     /// A hand.
-    Hand(Hand<T>),
+    Hand(SiteHand<T>),
 }
 
 /// The drive of one key.
@@ -133,8 +133,8 @@ fn follow<T: Scalar>([position, velocity]: [T; 2], [hand_m, hand_m_per_s]: [T; 2
     let (mass, ceiling_n) = (T::from_f64(HAND_KG), T::from_f64(CEILING_N));
     Push::Hand(if muscle_n.abs() > ceiling_n {
         let force = if muscle_n > z { ceiling_n } else { -ceiling_n };
-        Hand { mass, force, stiffness: z, damping: z, position: z, velocity: z }
+        SiteHand { mass, force, stiffness: z, damping: z, position: z, velocity: z }
     } else {
-        Hand { mass, force: z, stiffness, damping, position, velocity }
+        SiteHand { mass, force: z, stiffness, damping, position, velocity }
     })
 }

@@ -5,7 +5,7 @@ use erard::player::ActionError;
 use erard::{Action, Input, Reading, Settings, Snapshot};
 
 use crate::drive::SensorKind;
-use crate::limits::{LARGEST_HAMMER_M_PER_S, Limits};
+use crate::limits::{Limits, MAX_HAMMER_M_PER_S};
 
 /// Ranges of the search for the limits: m/s and N.
 const SPEEDS_M_PER_S: [f64; 2] = [0.2, 4.0];
@@ -115,7 +115,7 @@ fn largest([least, most]: [f64; 2], fastest: &mut dyn FnMut(f64) -> f64) -> f64 
     for k in 0..=SCANNED {
         let number = least * ratio.powi(k);
         let speed = fastest(number);
-        if speed > LARGEST_HAMMER_M_PER_S {
+        if speed > MAX_HAMMER_M_PER_S {
             high = number;
             break;
         }
@@ -129,7 +129,7 @@ fn largest([least, most]: [f64; 2], fastest: &mut dyn FnMut(f64) -> f64) -> f64 
     }
     while high / low > 1.0 + CLOSE {
         let middle = (low * high).sqrt();
-        if fastest(middle) <= LARGEST_HAMMER_M_PER_S { low = middle } else { high = middle }
+        if fastest(middle) <= MAX_HAMMER_M_PER_S { low = middle } else { high = middle }
     }
     low
 }

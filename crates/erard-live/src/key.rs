@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 
 use erard::instrument::Instrument;
 use erard::player::{ActionError, HandInput};
-use erard::{Action, Input, Outcome, Settings};
+use erard::{Action, Input, Settings, StepOutcome};
 use erard_midi::Event;
-use moreau::Hand;
+use moreau::SiteHand;
 
 use crate::ahead::{Announced, Foreseen, look};
 use crate::drive::{Push, SensorKind};
@@ -32,7 +32,7 @@ const SETTLED: [f64; 2] = [0.5 * ERRORS[0], 0.5 * ERRORS[1]];
 
 /// An event of a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Told {
+pub(crate) enum KeyEvent {
     /// The hammer met the string: instant, s, and speed, m/s.
     Struck(f64, f64),
     /// The hammer will meet the string.
@@ -52,12 +52,12 @@ impl Steps<f64> for Action {
         Stepped {
             key_m: reading.key_m,
             hit: reading.impact.map(|impact| (impact.time_s - self.time_s(), impact.hammer_speed_m_per_s)),
-            is_finite: reading.outcome != Outcome::NonFinite,
+            is_finite: reading.outcome != StepOutcome::NonFinite,
         }
     }
 
-    fn rests(&self) -> bool {
-        Action::rests(self)
+    fn is_asleep(&self) -> bool {
+        Action::is_asleep(self)
     }
 
     fn hand(&self) -> [f64; 2] {
@@ -76,7 +76,7 @@ fn input(push: &Push<f64>) -> Input {
         Push::Free => Input::Free,
         Push::Force(force_n) => Input::Force(force_n),
         Push::Rigid { position_m, velocity_m_per_s } => Input::Rigid { position_m, velocity_m_per_s },
-        Push::Hand(Hand { mass, force, stiffness, damping, position, velocity }) => Input::Hand(HandInput {
+        Push::Hand(SiteHand { mass, force, stiffness, damping, position, velocity }) => Input::Hand(HandInput {
             mass_kg: mass,
             force_n: force,
             stiffness_n_per_m: stiffness,
@@ -90,17 +90,17 @@ fn input(push: &Push<f64>) -> Input {
 /// Compares impacts with their announcements.
 struct Announcing<'a> {
     announced: &'a mut Option<Announced>,
-    tell: &'a mut dyn FnMut(Told),
+    tell: &'a mut dyn FnMut(KeyEvent),
 }
 
 impl Listen for Announcing<'_> {
     fn note(&mut self, event: Event) {
         (self.tell)(match event {
             Event::On { time_s, hammer_speed_m_per_s } => match self.announced.take() {
-                Some(Announced { hit, known_s }) => Told::Kept(hit, [time_s, hammer_speed_m_per_s], known_s),
-                None => Told::Struck(time_s, hammer_speed_m_per_s),
+                Some(Announced { hit, known_s }) => KeyEvent::Kept(hit, [time_s, hammer_speed_m_per_s], known_s),
+                None => KeyEvent::Struck(time_s, hammer_speed_m_per_s),
             },
-            Event::Off { time_s, release_m_per_s } => Told::Released(time_s, release_m_per_s),
+            Event::Off { time_s, release_m_per_s } => KeyEvent::Released(time_s, release_m_per_s),
         });
     }
 
@@ -116,7 +116,7 @@ impl Listen for Announcing<'_> {
 
     fn let_go(&mut self, at_s: f64) {
         if self.announced.take().is_some() {
-            (self.tell)(Told::False(at_s));
+            (self.tell)(KeyEvent::False(at_s));
         }
     }
 }
@@ -179,7 +179,7 @@ impl Key {
 
     /// Takes a sample: instant, s, and value, m or N. Returns false and ignores the sample if it does not come after
     /// the last one.
-    pub(crate) fn take(&mut self, to: [f64; 2], tell: &mut dyn FnMut(Told)) -> bool {
+    pub(crate) fn take(&mut self, to: [f64; 2], tell: &mut dyn FnMut(KeyEvent)) -> bool {
         let [t1, x1] = to;
         let (last, period_s) = (self.sensed.last, self.sensed.period_s);
         let mut listen = Announcing { announced: &mut self.announced, tell };
@@ -207,14 +207,14 @@ impl Key {
     }
 
     /// Treats the sensor as being at rest from now on, and follows the key until it has come to rest.
-    pub(crate) fn let_go(&mut self, now_s: f64, tell: &mut dyn FnMut(Told)) {
+    pub(crate) fn let_go(&mut self, now_s: f64, tell: &mut dyn FnMut(KeyEvent)) {
         let mut listen = Announcing { announced: &mut self.announced, tell };
         self.sensed.let_go(now_s, &mut self.action, &mut listen);
         self.recent.clear();
     }
 
     /// Predicts the impact, continuing the key's motion from its last samples.
-    fn foresee(&mut self, from: [f64; 2], to: [f64; 2], tell: &mut dyn FnMut(Told)) {
+    fn foresee(&mut self, from: [f64; 2], to: [f64; 2], tell: &mut dyn FnMut(KeyEvent)) {
         let (now, now_s) = (self.action.reading(), self.sensed.now_s());
         let rises = now.hammer_rise_m_per_s > RISES_M_PER_S;
         let near = rises && now.hammer_rise_m + 1.5 * now.hammer_rise_m_per_s * HORIZON_S > self.limits().blow_m;
@@ -235,7 +235,7 @@ impl Key {
             let since_s = *self.agreed_since_s.get_or_insert(at_s);
             if now_s - since_s >= SLOPE_S {
                 self.announced = Some(Announced { hit: [t1, v1], known_s: now_s });
-                tell(Told::Announced(t1, v1));
+                tell(KeyEvent::Announced(t1, v1));
             }
         } else {
             self.agreed_since_s = None;

@@ -49,7 +49,7 @@ pub use drive::{Push, SensorKind};
 pub use error::LiveError;
 #[cfg(feature = "std")]
 pub use find::dip_m;
-pub use limits::{LARGEST_HAMMER_M_PER_S, Limits};
+pub use limits::{Limits, MAX_HAMMER_M_PER_S};
 #[cfg(feature = "std")]
 pub use live::{Event, Live, Options};
 #[cfg(feature = "std")]

@@ -3,14 +3,14 @@
 use moreau::Scalar;
 
 /// No hammer goes faster at the string, m/s: 127 counts of the usual law, above what players reach (6.8 m/s).
-pub const LARGEST_HAMMER_M_PER_S: f64 = 8.0;
+pub const MAX_HAMMER_M_PER_S: f64 = 8.0;
 /// The largest force of a hand on a key, N.
 pub(crate) const CEILING_N: f64 = 60.0;
 
 /// Largest inputs of a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits<T = f64> {
-    /// The speed of its front, m/s, at which the hammer reaches [`LARGEST_HAMMER_M_PER_S`] if the key is suddenly
+    /// The speed of its front, m/s, at which the hammer reaches [`MAX_HAMMER_M_PER_S`] if the key is suddenly
     /// driven down from its rest at that speed; if the hammer never does, the speed that throws it fastest. A key that
     /// is driven faster throws it no faster.
     pub key_m_per_s: T,

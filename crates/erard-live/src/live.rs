@@ -11,7 +11,7 @@ use erard_workshop::cores;
 
 use crate::drive::SensorKind;
 use crate::error::LiveError;
-use crate::key::{Key, Told};
+use crate::key::{Key, KeyEvent};
 use crate::limits::Limits;
 use crate::profile::{Converter, Profile};
 use crate::quality::{Seen, expected_error_counts};
@@ -280,7 +280,7 @@ fn teller<'a>(
     leads: &'a mut Leads,
     report: &'a mut Report,
     give: &'a mut dyn FnMut(Event),
-) -> impl FnMut(Told) + 'a {
+) -> impl FnMut(KeyEvent) + 'a {
     move |told| {
         let on = |time_s: f64, hammer_speed_m_per_s: f64| Event::On {
             key,
@@ -295,22 +295,22 @@ fn teller<'a>(
             release: ReleaseLaw::USUAL.velocity(m_per_s),
         };
         match told {
-            Told::Struck(time_s, speed) => {
+            KeyEvent::Struck(time_s, speed) => {
                 leads.struck(speed);
                 report.note_ons += 1;
                 give(on(time_s, speed));
             }
-            Told::Announced(time_s, speed) => {
+            KeyEvent::Announced(time_s, speed) => {
                 report.note_ons += 1;
                 give(on(time_s, speed));
             }
-            Told::Kept(told, hit, known_s) => leads.kept(told, hit, known_s),
-            Told::False(time_s) => {
+            KeyEvent::Kept(told, hit, known_s) => leads.kept(told, hit, known_s),
+            KeyEvent::False(time_s) => {
                 report.false_announcements += 1;
                 report.note_offs += 1;
                 give(off(time_s, 0.0));
             }
-            Told::Released(time_s, speed) => {
+            KeyEvent::Released(time_s, speed) => {
                 report.note_offs += 1;
                 give(off(time_s, speed));
             }

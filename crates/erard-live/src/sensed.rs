@@ -38,7 +38,7 @@ pub trait Steps<T> {
     /// Takes a step.
     fn step(&mut self, push: &Push<T>) -> Stepped<T>;
     /// Whether the last step changed nothing, so that without a push the next ones change nothing either.
-    fn rests(&self) -> bool;
+    fn is_asleep(&self) -> bool;
     /// Place of the hand, m below the key's rest, and its speed, m/s.
     fn hand(&self) -> [T; 2];
     /// Lays the hand on the key, which it follows.
@@ -267,7 +267,7 @@ impl<T: Scalar, const W: usize> SensedKey<T, W> {
     fn rest(&mut self, until_s: f64, action: &mut impl Steps<T>, listen: &mut impl Listen) {
         let until = (until_s / self.h) as u64;
         while self.n < until {
-            if self.drive.is_away() && action.rests() && !listen.waits() {
+            if self.drive.is_away() && action.is_asleep() && !listen.waits() {
                 (self.n, self.reached) = (until, None);
                 break;
             }

@@ -16,7 +16,7 @@ use erard::keyboard::key_named;
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
 
 /// Longest line, bytes; longer input without a line's end is discarded.
-pub const LONGEST_LINE: usize = 256;
+pub const MAX_LINE_LENGTH: usize = 256;
 
 /// SensorUnit of a stream's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

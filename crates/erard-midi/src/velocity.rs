@@ -6,7 +6,7 @@
 pub struct Velocity(f64);
 
 /// The most counts.
-const MOST: f64 = 127.0;
+const MAX_VELOCITY: f64 = 127.0;
 /// Counts of MIDI 1.0 above which MIDI 2.0 spreads values wider: its centre.
 const CENTRE: f64 = 64.0;
 
@@ -14,7 +14,7 @@ impl Velocity {
     /// A velocity of this many counts, clamped to 0 and 127; NaN becomes 0.
     #[must_use]
     pub fn new(counts: f64) -> Self {
-        Velocity(if counts > 0.0 { counts.min(MOST) } else { 0.0 })
+        Velocity(if counts > 0.0 { counts.min(MAX_VELOCITY) } else { 0.0 })
     }
 
     /// From the seven bits of MIDI 1.0; larger numbers are cut off.
@@ -34,7 +34,7 @@ impl Velocity {
     pub fn of_sixteen_bits(value: u16) -> Self {
         let value = f64::from(value);
         let centre = f64::from(0x8000_u16);
-        let above = (value - centre) * ((MOST - CENTRE) / (f64::from(u16::MAX) - centre));
+        let above = (value - centre) * ((MAX_VELOCITY - CENTRE) / (f64::from(u16::MAX) - centre));
         Velocity::new(if value <= centre { value / 512.0 } else { CENTRE + above })
     }
 
@@ -63,7 +63,7 @@ impl Velocity {
     #[must_use]
     pub fn sixteen_bits(self) -> u16 {
         let centre = f64::from(0x8000_u16);
-        let above = (self.0 - CENTRE) * ((f64::from(u16::MAX) - centre) / (MOST - CENTRE));
+        let above = (self.0 - CENTRE) * ((f64::from(u16::MAX) - centre) / (MAX_VELOCITY - CENTRE));
         libm::round(if self.0 <= CENTRE { self.0 * 512.0 } else { centre + above }) as u16
     }
 }

@@ -3,11 +3,11 @@
 use erard::grand::Anatomy;
 use erard::instrument::Instrument;
 use erard::player::ActionError;
-use erard::{Action, Outcome, Progress, Reading, Settings, Snapshot};
+use erard::{Action, Progress, Reading, Settings, Snapshot, StepOutcome};
 
 use crate::error::PerformError;
 use crate::hand::Hand;
-use crate::score::{FULL_PEDAL_M, Foot};
+use crate::score::{FULL_PEDAL_M, PedalMove};
 use crate::sink::{Block, COLUMNS, Sink};
 
 /// Samples of sound a second.
@@ -87,7 +87,7 @@ struct Watch {
 
 /// Condition of a key when a hand begins to press it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Poise {
+pub(crate) struct Posture {
     pub key_m: f64,
     pub hammer_rise_m: f64,
     pub jack_is_back: bool,
@@ -96,7 +96,7 @@ pub(crate) struct Poise {
     pub ready_s: f64,
 }
 
-impl Poise {
+impl Posture {
     /// Whether the key had been home, and the hammer below the check, for long enough.
     pub(crate) fn was_home(&self) -> bool {
         self.ready_s >= READY_S
@@ -120,7 +120,7 @@ pub(crate) struct Key<'a> {
     action: Action,
     senses: Senses,
     watch: Watch,
-    feet: &'a [(f64, Foot)],
+    feet: &'a [(f64, PedalMove)],
     n: u64,
     h: f64,
     theta: f64,
@@ -143,7 +143,7 @@ impl<'a> Key<'a> {
     pub(crate) fn new(
         instrument: &Instrument,
         damper_m: f64,
-        feet: &'a [(f64, Foot)],
+        feet: &'a [(f64, PedalMove)],
         row_s: f64,
         sound: bool,
     ) -> Result<Self, ActionError> {
@@ -231,12 +231,12 @@ impl<'a> Key<'a> {
         self.hand = Hand::pressing(force_n, rise_s, self.n);
     }
 
-    pub(crate) fn poise(&self) -> Poise {
+    pub(crate) fn posture(&self) -> Posture {
         let now = self.action.reading();
         let angles = self.action.angles();
         let off = self.senses.jack.map_or(0.0, |(jack, carrier, rest)| (angles[jack] - angles[carrier] - rest).abs());
         let ready_s = self.watch.unready.map_or(f64::INFINITY, |last| self.n.saturating_sub(last) as f64 * self.h);
-        Poise {
+        Posture {
             key_m: now.key_m,
             hammer_rise_m: now.hammer_rise_m,
             jack_is_back: off < JACK_RAD,
@@ -285,7 +285,7 @@ impl<'a> Key<'a> {
             match self.sleeps_until(to) {
                 Some(wakes) => {
                     self.n = wakes;
-                    if self.dozes() {
+                    if self.can_skip() {
                         self.follow_feet();
                     }
                 }
@@ -297,18 +297,18 @@ impl<'a> Key<'a> {
     }
 
     /// Whether nothing touches the key and it is inaudible.
-    fn dozes(&self) -> bool {
+    fn can_skip(&self) -> bool {
         self.hand == Hand::Away && self.watch.quiet
     }
 
     /// The step until which its next steps would change nothing audible; `None`: it is awake.
     fn sleeps_until(&self, to: u64) -> Option<u64> {
-        if !(self.is_left_alone() && (self.dozes() || self.action.rests())) {
+        if !(self.is_left_alone() && (self.can_skip() || self.action.is_asleep())) {
             return None;
         }
         let foot = self.next_foot(to);
         let early = to.saturating_sub(self.step_at(WAKES_S));
-        let wakes = match self.dozes() {
+        let wakes = match self.can_skip() {
             true if early > self.n => early,
             // As long as no pedal has moved it may sleep on.
             _ if self.watch.sent_m == self.lift_m() => foot,
@@ -351,8 +351,8 @@ impl<'a> Key<'a> {
             });
         if rang {
             self.n += rows * row_every;
-            self.stand(&now);
-            self.stir();
+            self.record_rest(&now);
+            self.wake();
             self.watch.quiet = self.action.strings().is_none_or(|strings| 2.0 * strings.largest_bridge_n() < QUIET_N);
         }
         rang
@@ -366,7 +366,7 @@ impl<'a> Key<'a> {
         self.move_feet();
         let input = self.hand.input(self.n, self.h, self.theta)?;
         let reading = self.action.step(input);
-        if reading.outcome == Outcome::NonFinite {
+        if reading.outcome == StepOutcome::NonFinite {
             return Err(PerformError::NotFinite { time_s: self.now_s() });
         }
         self.n += 1;
@@ -382,12 +382,12 @@ impl<'a> Key<'a> {
         {
             self.watch.next_foot += 1;
             match *foot {
-                Foot::Sustain(lift_m) => self.watch.rail_m = lift_m,
-                Foot::Sostenuto(true) => {
+                PedalMove::Sustain(lift_m) => self.watch.rail_m = lift_m,
+                PedalMove::Sostenuto(true) => {
                     self.watch.caught =
                         self.watch.key_m > self.senses.damper_m || self.watch.rail_m > 0.5 * FULL_PEDAL_M;
                 }
-                Foot::Sostenuto(false) => self.watch.caught = false,
+                PedalMove::Sostenuto(false) => self.watch.caught = false,
             }
         }
     }
@@ -397,12 +397,12 @@ impl<'a> Key<'a> {
         if self.watch.sent_m != self.lift_m() {
             self.watch.sent_m = self.lift_m();
             self.action.set_pedal(self.watch.sent_m);
-            self.stir();
+            self.wake();
         }
     }
 
     /// Notes that the key is no longer quiet.
-    fn stir(&mut self) {
+    fn wake(&mut self) {
         self.watch.quiet = false;
         self.watch.since = self.n;
         self.watch.swing_n = [f64::INFINITY, f64::NEG_INFINITY];
@@ -414,7 +414,7 @@ impl<'a> Key<'a> {
             self.impacts.push([now_s + (impact.time_s - self.action.time_s()), impact.hammer_speed_m_per_s]);
             (self.watch.checked, self.watch.blow_m) = (false, reading.hammer_rise_m);
         }
-        self.stand(reading);
+        self.record_rest(reading);
         if !self.watch.checked && self.senses.check.is_some_and(|zone| self.action.contact_force(zone) > 0.0) {
             self.watch.checked = true;
         }
@@ -439,25 +439,25 @@ impl<'a> Key<'a> {
             }
         }
         if self.n.is_multiple_of(QUIET_EVERY) {
-            self.listen();
+            self.record_sound();
         }
     }
 
     /// Updates the condition of key and hammer.
-    fn stand(&mut self, reading: &Reading) {
+    fn record_rest(&mut self, reading: &Reading) {
         if reading.key_m > HOME_M || reading.hammer_rise_m > 0.5 * self.watch.blow_m {
             self.watch.unready = Some(self.n);
         }
     }
 
     /// Whether it has been quiet for long enough.
-    fn listen(&mut self) {
+    fn record_sound(&mut self) {
         let now_n = bridge_n(&self.action);
         let Watch { swing_n: [least, most], .. } = &mut self.watch;
         (*least, *most) = (least.min(now_n), most.max(now_n));
         let moves = self.action.velocities().iter().any(|rate| rate.abs() > QUIET_RAD_PER_S);
         if moves || *most - *least > QUIET_N {
-            self.stir();
+            self.wake();
         } else if (self.n - self.watch.since.min(self.n)) as f64 * self.h > QUIET_S {
             self.watch.quiet = true;
         }
@@ -465,7 +465,7 @@ impl<'a> Key<'a> {
 
     /// Hands over complete blocks of rows, or `all` rows. The state cannot be restored to an instant before the rows
     /// that were handed over.
-    pub(crate) fn hand_over(&mut self, sink: &mut dyn Sink, all: bool) -> Result<(), PerformError> {
+    pub(crate) fn flush_rows(&mut self, sink: &mut dyn Sink, all: bool) -> Result<(), PerformError> {
         if !self.rows.is_empty() && (all || self.rows.len() >= BLOCK) {
             sink.take(Block::Rows(std::mem::take(&mut self.rows)))?;
         }

@@ -12,7 +12,7 @@ use crate::note::Played;
 use crate::options::Options;
 use crate::press::{LetGo, Pressed, STAYS_S, press};
 use crate::release::release;
-use crate::score::{Score, Wanted};
+use crate::score::{Score, WrittenNote};
 use crate::sink::Sink;
 use crate::touches::Touches;
 
@@ -87,14 +87,14 @@ impl Player<'_, '_> {
     fn play(
         &mut self,
         number: usize,
-        wanted: Wanted,
+        wanted: WrittenNote,
         next_s: f64,
         progress: &mut Progress<'_>,
     ) -> Result<(), PerformError> {
         let off = (wanted.off_s, wanted.release_m_per_s);
         if self.last.is_some() && wanted.on_s < self.key.now_s() + SOONEST_S {
             self.off = off;
-            self.notes.push((number, Played::left_out(wanted, &self.key.poise())));
+            self.notes.push((number, Played::left_out(wanted, &self.key.posture())));
             return Ok(());
         }
         let guess = self.touches.guess(0, wanted.speed_m_per_s);
@@ -104,10 +104,10 @@ impl Player<'_, '_> {
             let from = self.key.step_at(wanted.on_s - back_s);
             self.key.advance(from, progress)?;
         }
-        self.key.hand_over(self.sink, false)?;
-        let Pressed { played, start, poise } =
+        self.key.flush_rows(self.sink, false)?;
+        let Pressed { played, start, posture } =
             press(&mut self.key, &mut self.touches, self.law, wanted, let_go, next_s, progress)?;
-        self.conclude(played.pressed_s, poise.was_checked);
+        self.conclude(played.pressed_s, posture.was_checked);
         if let Hand::On { stroke, .. } = self.key.hand
             && self.is_of_interest(&played)
         {
@@ -165,11 +165,11 @@ impl Player<'_, '_> {
         while self.key.now_s() < end_s {
             let to = self.key.step_at(end_s).min(self.key.now() + self.key.step_at(BLOCK_S));
             self.key.advance(to.max(self.key.now() + 1), progress)?;
-            self.key.hand_over(self.sink, false)?;
+            self.key.flush_rows(self.sink, false)?;
         }
-        let was_checked = self.key.poise().was_checked;
+        let was_checked = self.key.posture().was_checked;
         self.conclude(f64::INFINITY, was_checked);
-        self.key.hand_over(self.sink, true)?;
+        self.key.flush_rows(self.sink, true)?;
         let (steps, step_s) = (self.key.steps, self.key.h());
         Ok(KeyPlayed { notes: self.notes, moments: self.moments, steps, step_s })
     }

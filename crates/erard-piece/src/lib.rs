@@ -34,5 +34,5 @@ pub use moment::Moment;
 pub use note::{Fault, Played, Reason, Summary};
 pub use options::Options;
 pub use perform::{Performance, perform};
-pub use score::{FULL_PEDAL_M, LEAD_S, Score, Wanted, passage};
+pub use score::{FULL_PEDAL_M, LEAD_S, Score, WrittenNote, passage};
 pub use sink::{Block, COLUMNS, Silence, Sink};

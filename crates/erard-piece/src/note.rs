@@ -2,8 +2,8 @@
 
 use erard_midi::Law;
 
-use crate::key::{HOME_M, Poise};
-use crate::score::Wanted;
+use crate::key::{HOME_M, Posture};
+use crate::score::WrittenNote;
 
 /// Smallest deviation from the written instant with which a note counts as late or early, s.
 const LATE_S: f64 = 2e-3;
@@ -129,7 +129,7 @@ impl std::fmt::Display for Reason {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Played {
     /// The written note.
-    pub wanted: Wanted,
+    pub wanted: WrittenNote,
     /// Instant at which the hand began to press, s.
     pub pressed_s: f64,
     /// Largest force of the hand, N.
@@ -152,18 +152,18 @@ pub struct Played {
 }
 
 impl Played {
-    pub(crate) fn new(wanted: Wanted, pressed_s: f64, force_n: f64, poise: &Poise) -> Self {
+    pub(crate) fn new(wanted: WrittenNote, pressed_s: f64, force_n: f64, posture: &Posture) -> Self {
         let mut reasons = Vec::new();
-        if poise.key_m > HOME_M {
-            reasons.push(Reason::KeyNotBack { key_m: poise.key_m });
+        if posture.key_m > HOME_M {
+            reasons.push(Reason::KeyNotBack { key_m: posture.key_m });
         }
-        if !poise.jack_is_back {
+        if !posture.jack_is_back {
             reasons.push(Reason::JackNotBack);
         }
-        if poise.hammer_rise_m > 5e-3 {
-            reasons.push(Reason::HammerNotDown { hammer_rise_m: poise.hammer_rise_m });
+        if posture.hammer_rise_m > 5e-3 {
+            reasons.push(Reason::HammerNotDown { hammer_rise_m: posture.hammer_rise_m });
         }
-        if !poise.was_checked {
+        if !posture.was_checked {
             reasons.push(Reason::NotChecked);
         }
         Played {
@@ -174,7 +174,7 @@ impl Played {
             louder: None,
             more_impacts: Vec::new(),
             released: None,
-            from_home: poise.was_home(),
+            from_home: posture.was_home(),
             trials: 0,
             reasons,
             checked: true,
@@ -182,8 +182,8 @@ impl Played {
     }
 
     /// A note that was not tried because it comes too soon after the key's last strike.
-    pub(crate) fn left_out(wanted: Wanted, poise: &Poise) -> Self {
-        let mut played = Played::new(wanted, wanted.on_s, 0.0, poise);
+    pub(crate) fn left_out(wanted: WrittenNote, posture: &Posture) -> Self {
+        let mut played = Played::new(wanted, wanted.on_s, 0.0, posture);
         played.reasons.push(Reason::TooSoon);
         played
     }

@@ -7,9 +7,9 @@ use erard_midi::Law;
 
 use crate::error::PerformError;
 use crate::hand::Way;
-use crate::key::{Key, Mark, Poise};
+use crate::key::{Key, Mark, Posture};
 use crate::note::{Played, Reason};
-use crate::score::Wanted;
+use crate::score::WrittenNote;
 use crate::seek::{self, CLOSE, Seek};
 use crate::touches::{FORCES_N, Guess, RISES_S, Touches};
 
@@ -53,7 +53,7 @@ struct Trial {
     force_n: f64,
     on_s: f64,
     begins: u64,
-    poise: Poise,
+    posture: Posture,
     impact: Option<[f64; 2]>,
     /// Swing of its string under the felt before the press, from side to side, m.
     swing_m: f64,
@@ -64,7 +64,7 @@ struct Trial {
 
 impl Trial {
     /// Its error: counts of velocity and milliseconds.
-    fn cost(&self, wanted: &Wanted) -> f64 {
+    fn cost(&self, wanted: &WrittenNote) -> f64 {
         match self.impact {
             Some([at_s, speed]) => {
                 25.0 * (speed / wanted.speed_m_per_s).log2().abs() + 1e3 * (at_s - wanted.on_s).abs()
@@ -73,7 +73,7 @@ impl Trial {
         }
     }
 
-    fn is_close(&self, wanted: &Wanted) -> bool {
+    fn is_close(&self, wanted: &WrittenNote) -> bool {
         self.impact.is_some_and(|[at_s, speed]| {
             let in_time = (at_s - self.on_s).abs() <= CLOSE_S || (self.hurried && at_s > self.on_s);
             (speed / wanted.speed_m_per_s).ln().abs() <= CLOSE && in_time
@@ -87,7 +87,7 @@ pub(crate) struct Pressed {
     /// State of the key when the hand began.
     pub start: Snapshot,
     /// Condition of the key at that moment.
-    pub poise: Poise,
+    pub posture: Posture,
 }
 
 /// The search for one note's hand.
@@ -95,7 +95,7 @@ struct Search<'a, 'k, 'p, 'q> {
     key: &'a mut Key<'k>,
     touches: &'a mut Touches,
     law: &'a Law<'a>,
-    wanted: Wanted,
+    wanted: WrittenNote,
     let_go: Option<LetGo>,
     mark: Mark,
     trials: u32,
@@ -115,7 +115,7 @@ pub(crate) fn press(
     key: &mut Key<'_>,
     touches: &mut Touches,
     law: &Law<'_>,
-    wanted: Wanted,
+    wanted: WrittenNote,
     let_go: Option<LetGo>,
     next_s: f64,
     progress: &mut Progress<'_>,
@@ -216,7 +216,7 @@ impl Search<'_, '_, '_, '_> {
                 tried: hand,
                 struck: trial.impact.map(|[at_s, speed]| [at_s - begins_s, speed]),
                 late_s: trial.impact.map_or(0.0, |[at_s, _]| at_s - on_s),
-                from_home: trial.poise.was_home(),
+                from_home: trial.posture.was_home(),
             };
             let is_close = trial.is_close(&self.wanted);
             is_loudest = hand.force_n >= FORCES_N[1] && trial.impact.is_some_and(|[_, speed]| speed < wanted);
@@ -260,7 +260,7 @@ impl Search<'_, '_, '_, '_> {
         let hurried = begins < floor;
         begins = begins.max(floor);
         key.advance(begins, progress)?;
-        let (poise, before) = (key.poise(), key.impacts.len());
+        let (posture, before) = (key.posture(), key.impacts.len());
         key.touch(force_n, RISES_S[rise]);
         let start = key.snapshot();
         let until = self.until.min(begins + key.step_at(1.8 * takes_s + 0.06));
@@ -280,13 +280,13 @@ impl Search<'_, '_, '_, '_> {
         }
         let impact = key.impacts.get(before).copied();
         if let Some([at_s, speed]) = impact
-            && poise.was_home()
-            && poise.jack_is_back
+            && posture.was_home()
+            && posture.jack_is_back
         {
             self.touches.learn(rise, force_n, at_s - begins as f64 * key.h(), speed);
         }
         let swing_m = (swing_m[1] - swing_m[0]).max(0.0);
-        Ok(Trial { rise, force_n, on_s, begins, poise, impact, swing_m, hurried, start })
+        Ok(Trial { rise, force_n, on_s, begins, posture, impact, swing_m, hurried, start })
     }
 
     /// The best trial is the note.
@@ -307,7 +307,7 @@ impl Search<'_, '_, '_, '_> {
         {
             self.touches.learn_moving(best.rise, best.force_n, at_s - pressed_s, speed);
         }
-        let mut played = Played::new(wanted, pressed_s, best.force_n, &best.poise).with_impact(best.impact, self.law);
+        let mut played = Played::new(wanted, pressed_s, best.force_n, &best.posture).with_impact(best.impact, self.law);
         played.trials = self.trials;
         if best.hurried && best.impact.is_none_or(|[at_s, _]| at_s > wanted.on_s) {
             played.reasons.push(Reason::NoTime);
@@ -322,6 +322,6 @@ impl Search<'_, '_, '_, '_> {
         }
         let hold_n = if best.impact.is_some() { HOLD_N } else { HOLD_N.min(best.force_n) };
         key.hand.hold(key.now(), key.h(), hold_n);
-        Ok(Pressed { played, start: best.start, poise: best.poise })
+        Ok(Pressed { played, start: best.start, posture: best.posture })
     }
 }

@@ -11,7 +11,7 @@ pub const FULL_PEDAL_M: f64 = 7e-3;
 
 /// A note to play.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wanted {
+pub struct WrittenNote {
     /// The key, from 1.
     pub key: usize,
     /// Instant at which the hammer should meet the string, s from the performance's beginning.
@@ -39,7 +39,7 @@ pub fn passage(piece: &Piece, from_s: f64, to_s: f64) -> Piece {
 
 /// A motion of a foot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Foot {
+pub(crate) enum PedalMove {
     /// The sustain pedal sends its rail to a lift, m.
     Sustain(f64),
     /// The sostenuto pedal goes down, or up.
@@ -52,9 +52,9 @@ pub struct Score<'l> {
     /// The law between velocities and hammer speeds.
     pub law: Law<'l>,
     /// The notes in the order of their beginnings, then of their keys.
-    pub notes: Vec<Wanted>,
+    pub notes: Vec<WrittenNote>,
     /// The feet in the order of time, s.
-    pub(crate) feet: Vec<(f64, Foot)>,
+    pub(crate) feet: Vec<(f64, PedalMove)>,
     /// Shift of the piece that gives the first hand time to press, s; 0 if it has enough.
     pub shift_s: f64,
     /// When the last note ends, s.
@@ -67,9 +67,9 @@ impl<'l> Score<'l> {
     /// The sustain pedal: instants of its motions, s, and positions, from 0 (up) to 1 (down).
     #[must_use]
     pub fn sustain(&self) -> Vec<[f64; 2]> {
-        let moved = |&(at_s, foot): &(f64, Foot)| match foot {
-            Foot::Sustain(lift_m) => Some([at_s, lift_m / FULL_PEDAL_M]),
-            Foot::Sostenuto(_) => None,
+        let moved = |&(at_s, foot): &(f64, PedalMove)| match foot {
+            PedalMove::Sustain(lift_m) => Some([at_s, lift_m / FULL_PEDAL_M]),
+            PedalMove::Sostenuto(_) => None,
         };
         self.feet.iter().filter_map(moved).collect()
     }
@@ -84,7 +84,7 @@ impl<'l> Score<'l> {
     pub fn of(piece: &Piece, law: &Law<'l>) -> Self {
         let first_s = piece.notes.first().map_or(LEAD_S, |note| note.start_s);
         let shift_s = (LEAD_S - first_s).max(0.0);
-        let notes = piece.notes.iter().map(|note| Wanted {
+        let notes = piece.notes.iter().map(|note| WrittenNote {
             key: note.key,
             on_s: note.start_s + shift_s,
             off_s: note.end_s + shift_s,
@@ -96,11 +96,11 @@ impl<'l> Score<'l> {
         for change in &piece.pedals {
             let time_s = change.time_s + shift_s;
             match change.controller {
-                SUSTAIN => feet.push((time_s, Foot::Sustain(FULL_PEDAL_M * f64::from(change.value) / 127.0))),
+                SUSTAIN => feet.push((time_s, PedalMove::Sustain(FULL_PEDAL_M * f64::from(change.value) / 127.0))),
                 SOSTENUTO => {
                     let is_down = change.value >= 64;
                     if is_down != down {
-                        feet.push((time_s, Foot::Sostenuto(is_down)));
+                        feet.push((time_s, PedalMove::Sostenuto(is_down)));
                     }
                     down = is_down;
                 }

@@ -5,15 +5,15 @@ use crate::touches::{FORCES_N, by_work};
 /// A speed is right within this share of it: a fifth of a count of velocity.
 pub(crate) const CLOSE: f64 = 5e-3;
 /// Largest change of a hand from trial to trial: of the logarithm of its force, and of its beginning, s.
-const MOST: [f64; 2] = [0.7, 0.025];
+const MAX_STEPS: [f64; 2] = [0.7, 0.025];
 /// Change of a hand's beginning that weighs as much as one of the logarithm of its force, s.
 const WEIGHT_S: f64 = 0.05;
 
 /// Number of hands without sound in a row after which the search ends.
-const MOST_SILENT: u32 = 6;
+const MAX_SILENT: u32 = 6;
 
 /// Number of times that a speed is bracketed.
-const MOST_BRACKETED: u32 = 7;
+const MAX_BRACKETED: u32 = 7;
 
 /// A hand to try: its force, N, and its lead before the written instant, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,12 +71,12 @@ impl Seek {
     /// The next hand; `None` where there is none left.
     pub(crate) fn next(&mut self, found: &Outcome) -> Option<Hand> {
         self.silent = if found.struck.is_some() { 0 } else { self.silent + 1 };
-        if self.silent > MOST_SILENT {
+        if self.silent > MAX_SILENT {
             return None;
         }
         self.tried += 1;
         // A bracket that has not closed by now holds no answer: a pedal moves while the key is pressed, say.
-        let is_bracketed = found.from_home && self.tried <= MOST_BRACKETED;
+        let is_bracketed = found.from_home && self.tried <= MAX_BRACKETED;
         let next = if is_bracketed { self.between(found) } else { self.along(found) };
         let force_n = next.force_n.clamp(FORCES_N[0], FORCES_N[1]);
         let is_new =
@@ -157,7 +157,8 @@ impl Seek {
             return Hand { force_n: force_n * (self.wanted / speed).powf(0.7), takes_s: takes_s + 0.7 * found.late_s };
         }
         let step = [(b * r[1] - d * r[0]) / det, (c * r[0] - a * r[1]) / det];
-        let step = [step[0].clamp(-MOST[0], MOST[0]), (step[1] * WEIGHT_S).clamp(-MOST[1], MOST[1])];
+        let step =
+            [step[0].clamp(-MAX_STEPS[0], MAX_STEPS[0]), (step[1] * WEIGHT_S).clamp(-MAX_STEPS[1], MAX_STEPS[1])];
         Hand { force_n: force_n * step[0].exp(), takes_s: takes_s + step[1] }
     }
 }

@@ -3,7 +3,7 @@
 use erard::instrument::{Instrument, InstrumentFile};
 use erard_workshop::diagnose::effects_csv;
 use erard_workshop::sample::Sampled;
-use erard_workshop::worklist::{Quantity, Readings};
+use erard_workshop::worklist::{ReadingQuantity, Readings};
 
 /// First sample tried, and number of sound grands used.
 const FIRST: u32 = 1001;
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for number in FIRST.. {
         let grand = InstrumentFile::parse(&sampled.text(number, go_on)?, GRAND)?.instrument;
         let readings = Readings::of(&grand, go_on)?;
-        if Quantity::ALL.into_iter().all(|quantity| !readings.is_out(quantity, 40)) {
+        if ReadingQuantity::ALL.into_iter().all(|quantity| !readings.is_out(quantity, 40)) {
             eprintln!("sample {number}");
             grands.push(grand);
             numbers.push(number.to_string());

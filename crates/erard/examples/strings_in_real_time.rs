@@ -23,7 +23,7 @@ fn step_s(instrument: &Instrument) -> f64 {
     let mut best = f64::INFINITY;
     for _ in 0..5 {
         let mut action = Action::new(instrument).expect("it comes to rest");
-        action.let_rest(false);
+        action.set_sleep(false);
         let started = Instant::now();
         for _ in 0..STEPS {
             black_box(action.step(Input::Force(4.5)));
@@ -130,7 +130,7 @@ fn main() {
     let [fresh, late] = ringing_s(&strung);
     println!("strings alone, 1 s after an impact {:.3} us, 30 s after it {:.3} us", 1e6 * fresh, 1e6 * late);
     let fixed = second_s(&strung, FIXED_STEP_S, Halving::Never);
-    let halved = second_s(&strung, STEP_S, Halving::AsAsked);
+    let halved = second_s(&strung, STEP_S, Halving::Auto);
     println!(
         "a second of C4 mf, halved steps {:.1} ms, {:.2} times as long as with fixed steps of 50 us ({:.1} ms)",
         1e3 * halved,
@@ -138,7 +138,7 @@ fn main() {
         1e3 * fixed
     );
     let keyboard = Keyboard::builtin("concert-grand-strings").expect("built in");
-    for (name, halving) in [("halved", Halving::AsAsked), ("whole", Halving::Never)] {
+    for (name, halving) in [("halved", Halving::Auto), ("whole", Halving::Never)] {
         let ([mean, worst], late) = top_octave(&keyboard.instruments().expect("it reads"), halving);
         println!(
             "ten fingers at once in the top octave, ff, {name} steps: mean {:.1} us, worst {:.0} us; {late} steps of an impact take longer than the {:.1} us that pass meanwhile",

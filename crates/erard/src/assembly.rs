@@ -1,6 +1,9 @@
 //! From the instrument to the engine's model.
 
-use moreau::{Body, Curve, Dwell, Exponent, Felt, GROUND, Model, ModelError, Part, Scalar, Site, Spring, Yields, Zone};
+use moreau::{
+    Body, ContactCurve, DescriptionPart, Dwell, Exponent, Felt, GROUND, Model, ModelError, Scalar, Site, Spring,
+    Yields, Zone,
+};
 use moreau_kernels::{OwnedDescription, Probes};
 
 use crate::grand::KEY_DOWN;
@@ -66,11 +69,12 @@ pub fn describe<T: Scalar>(instrument: &Instrument) -> OwnedDescription<T> {
             friction: (z.friction_coefficient > 0.0).then_some(t(z.friction_coefficient)),
         })
         .collect();
-    let dwell = |part: Part, dwell: Option<instrument::Dwell>| {
+    let dwell = |part: DescriptionPart, dwell: Option<instrument::Dwell>| {
         dwell.map(|dwell| Dwell { part, ratio: t(dwell.ratio), time: t(dwell.time_s) })
     };
-    let pivots = instrument.bodies.iter().enumerate().filter_map(|(i, b)| dwell(Part::Body(i), b.dwell));
-    let contacts = instrument.zones.iter().enumerate().filter_map(|(z, zone)| dwell(Part::Zone(z), zone.dwell));
+    let pivots = instrument.bodies.iter().enumerate().filter_map(|(i, b)| dwell(DescriptionPart::Body(i), b.dwell));
+    let contacts =
+        instrument.zones.iter().enumerate().filter_map(|(z, zone)| dwell(DescriptionPart::Zone(z), zone.dwell));
     let dwells = pivots.chain(contacts).collect();
     let yields = crate::strings::yielding_zones(instrument)
         .into_iter()
@@ -94,21 +98,25 @@ pub fn felt<T: Scalar>(felt: &instrument::Felt) -> Felt<T> {
     Felt { stiffness: t(felt.stiffness), exponent: Exponent::new(t(felt.exponent)), loss: felt.loss.map(t) }
 }
 
-fn curve<T: Scalar>(curve: &instrument::Curve) -> Curve<T> {
+fn curve<T: Scalar>(curve: &instrument::Curve) -> ContactCurve<T> {
     let (t, vector) = (T::from_f64, |v: [f64; 2]| v.map(T::from_f64));
     match *curve {
-        instrument::Curve::Line { point_m, normal } => Curve::Line { point: vector(point_m), normal: vector(normal) },
+        instrument::Curve::Line { point_m, normal } => {
+            ContactCurve::Line { point: vector(point_m), normal: vector(normal) }
+        }
         instrument::Curve::Segment { from_m, to_m, rounding_m } => {
             let [x, y] = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
             let length = libm::hypot(x, y);
-            Curve::Segment {
+            ContactCurve::Segment {
                 from: vector(from_m),
                 direction: vector([x / length, y / length]),
                 length: t(length),
                 rounding: t(rounding_m),
             }
         }
-        instrument::Curve::Disc { center_m, radius_m } => Curve::Disc { center: vector(center_m), radius: t(radius_m) },
+        instrument::Curve::Disc { center_m, radius_m } => {
+            ContactCurve::Disc { center: vector(center_m), radius: t(radius_m) }
+        }
     }
 }
 

@@ -169,7 +169,7 @@ impl EventDetector {
     }
 
     /// Reports that nothing has moved until this instant, s, as if every step had been observed.
-    pub(crate) fn stood(&mut self, time_s: f64) {
+    pub(crate) fn unchanged(&mut self, time_s: f64) {
         if let Some(previous) = &mut self.previous {
             previous.time_s = time_s;
         }

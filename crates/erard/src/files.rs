@@ -26,12 +26,12 @@ pub fn printable(text: &str) -> Cow<'_, str> {
 }
 
 /// Longest word of a message, in characters: no number, name or path that a person wrote is longer.
-const LONGEST_WORD: usize = 1024;
+const MAX_WORD_LENGTH: usize = 1024;
 
 /// A message in which overlong words are cut; their length is given.
 #[must_use]
 pub fn clipped(text: &str) -> Cow<'_, str> {
-    let too_long = |word: &str| word.len() > LONGEST_WORD && word.chars().nth(LONGEST_WORD).is_some();
+    let too_long = |word: &str| word.len() > MAX_WORD_LENGTH && word.chars().nth(MAX_WORD_LENGTH).is_some();
     if !text.split(char::is_whitespace).any(too_long) {
         return text.into();
     }

@@ -158,14 +158,14 @@ pub(crate) const SPEEDS_M_PER_S: [f64; 2] = [0.01, 20.0];
 
 /// A touch with the mass of its hand, without the number that makes it louder.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Kind {
+pub struct HandKind {
     /// Pressed or struck.
     pub touch: Touch,
     /// The hand's mass, kg.
     pub mass_kg: f64,
 }
 
-impl Kind {
+impl HandKind {
     /// The stroke with this number: the muscle's force, N, or the speed of arrival, m/s.
     #[must_use]
     pub(crate) fn stroke(&self, louder: f64) -> HandStroke {
@@ -216,7 +216,7 @@ impl Reference {
         if instrument.roles.key.is_none() || instrument.roles.hammer.is_none() || instrument.roles.string.is_none() {
             return Err(LevelError::Silent { instrument: instrument.name.clone() });
         }
-        let action = Action::asking(instrument, Settings::new(instrument.usual_step_s()), progress)?;
+        let action = Action::with_progress(instrument, Settings::new(instrument.usual_step_s()), progress)?;
         Ok(Reference { instrument: instrument.name.clone(), rest: action.save(), action })
     }
 
@@ -237,7 +237,7 @@ impl Reference {
             }
             let t = n as f64 * h;
             let reading = self.action.step(stroke.hand.input(&stroke.input(t + theta * h))?);
-            if reading.outcome == moreau::Outcome::NonFinite {
+            if reading.outcome == moreau::StepOutcome::NonFinite {
                 return Err(LevelError::NonFinite { time_s: t });
             }
             if reading.impact.is_some() {
@@ -255,7 +255,12 @@ impl Reference {
     ///
     /// # Errors
     /// See [`LevelError`].
-    pub fn solve(&mut self, kind: Kind, speed_m_per_s: f64, progress: &mut Progress<'_>) -> Result<Solved, LevelError> {
+    pub fn solve(
+        &mut self,
+        kind: HandKind,
+        speed_m_per_s: f64,
+        progress: &mut Progress<'_>,
+    ) -> Result<Solved, LevelError> {
         if !(SPEEDS_M_PER_S[0]..=SPEEDS_M_PER_S[1]).contains(&speed_m_per_s) {
             return Err(LevelError::Speed { found: speed_m_per_s });
         }
@@ -296,7 +301,7 @@ impl Reference {
     ///
     /// # Errors
     /// See [`LevelError`]; [`LevelError::Silent`] where the strongest does not sound.
-    pub fn range(&mut self, kind: Kind, progress: &mut Progress<'_>) -> Result<[Solved; 2], LevelError> {
+    pub fn range(&mut self, kind: HandKind, progress: &mut Progress<'_>) -> Result<[Solved; 2], LevelError> {
         kind.stroke(kind.ends()[0]).hand.check()?;
         let mut search = Search { reference: self, kind, wanted: SPEEDS_M_PER_S[0], trials: 0, progress };
         search.range()
@@ -306,7 +311,7 @@ impl Reference {
 /// A search for one level.
 struct Search<'a, 'p> {
     reference: &'a mut Reference,
-    kind: Kind,
+    kind: HandKind,
     wanted: f64,
     trials: u32,
     progress: &'a mut Progress<'p>,
@@ -420,7 +425,7 @@ impl Search<'_, '_> {
     }
 
     fn names(&self) -> (String, &'static str, f64) {
-        let Kind { touch, mass_kg } = self.kind;
+        let HandKind { touch, mass_kg } = self.kind;
         (self.reference.instrument.clone(), touch.name(), digits(mass_kg * 1e3))
     }
 

@@ -49,7 +49,7 @@ mod units;
 
 pub use instrument::Instrument;
 pub use mechanism::Impact;
-pub use moreau::{FrictionLaw, Outcome, Settings, Solver};
+pub use moreau::{FrictionLaw, Settings, Solver, StepOutcome};
 pub use player::{Action, ActionError, Drive, Hand, Input, Reading, Snapshot, SnapshotError};
 pub use progress::Progress;
 pub use run::{Events, Run, Setup, SimulationError, press, simulate, simulate_observed};

@@ -13,7 +13,7 @@
 use moreau::{Settings, gauss_jordan_pivoting};
 use thiserror::Error;
 
-use crate::instrument::{Body, Instrument, InstrumentFields, MAX_BODIES, Part, Roles, Screw, Spring, Zone};
+use crate::instrument::{Body, DrawnPart, Instrument, InstrumentFields, MAX_BODIES, Roles, Screw, Spring, Zone};
 use crate::player::equilibrium;
 use crate::player::{Action, ActionError};
 
@@ -120,7 +120,7 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
             .parts
             .iter()
             .filter(|p| p.body.is_none_or(|b| b == key))
-            .map(|p| Part { body: p.body.map(|_| 0), ..p.clone() })
+            .map(|p| DrawnPart { body: p.body.map(|_| 0), ..p.clone() })
             .collect(),
         origin: full.origin,
     };

@@ -7,7 +7,7 @@
 //! its limit may not sleep either: rounding lets it slip and stick in turn (velocities of 1e-17 rad/s that change no
 //! angle). This is rare, and costs only time.
 
-use moreau::{Input, ModelError, Outcome, Settings, Workspace};
+use moreau::{ModelError, Settings, SiteInput, StepOutcome, Workspace};
 
 use crate::engine::{Clock, NO_STEP, Share, Stepped, together};
 use crate::mechanism::{Saved, StepOutput};
@@ -41,7 +41,7 @@ pub trait Bank: Send {
     /// Returns whether a mechanism is awake.
     fn is_awake(&self, index: usize) -> bool;
     /// Sets the input of a mechanism from the next step on. Wakes it if the input changes.
-    fn drive(&mut self, index: usize, input: &Input<f64>);
+    fn drive(&mut self, index: usize, input: &SiteInput<f64>);
     /// Sets the hand of a mechanism: world coordinate along the drive's direction, m, and velocity, m/s. Wakes it.
     fn place_hand(&mut self, index: usize, hand: [f64; 2]);
     /// Sets whether mechanisms may sleep; true at first. If false, every step advances all of them, with the same
@@ -94,18 +94,18 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
         let core: Stepped<B, Z> = Stepped::new(description, probes).map_err(|error| (i, error))?;
         // Room for its laws.
         Workspace::<f64, B, Z, N>::for_model(&core.model).map_err(|error| (i, error))?;
-        Ok(Member { core, probes: *probes, input: Input::Free, awake: true, drive_n: 0.0, zone_n: 0.0 })
+        Ok(Member { core, probes: *probes, input: SiteInput::Free, awake: true, drive_n: 0.0, zone_n: 0.0 })
     });
     let members = each.collect::<Result<Vec<_>, _>>()?;
     let awake = (0..members.len()).collect();
-    let halving = Halving::AsAsked;
+    let halving = Halving::Auto;
     Ok(Box::new(Members { members, awake, sleep: true, settings, halving, workspace, clock: Clock::at(0.0) }))
 }
 
 struct Member<const B: usize, const Z: usize> {
     core: Stepped<B, Z>,
     probes: Probes,
-    input: Input<f64>,
+    input: SiteInput<f64>,
     awake: bool,
     /// Forces in the last step, N: of the drive, of the probe zone.
     drive_n: f64,
@@ -156,7 +156,7 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
         self.members[index].awake
     }
 
-    fn drive(&mut self, index: usize, input: &Input<f64>) {
+    fn drive(&mut self, index: usize, input: &SiteInput<f64>) {
         if !input.identical(&self.members[index].input) {
             self.members[index].input = *input;
             self.wake(index);
@@ -215,9 +215,9 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
             }
             tick.stepped += 1;
             match report.outcome {
-                Outcome::Converged => {}
-                Outcome::IterationLimit => tick.unconverged += 1,
-                Outcome::NonFinite | Outcome::TooManyLaws => tick.non_finite += 1,
+                StepOutcome::Converged => {}
+                StepOutcome::IterationLimit => tick.unconverged += 1,
+                StepOutcome::NonFinite | StepOutcome::TooManyLaws => tick.non_finite += 1,
             }
             if let Some(found) = found {
                 impact(index, found);

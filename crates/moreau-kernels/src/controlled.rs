@@ -1,14 +1,14 @@
 //! Adaptive steps of an engine.
 
 use moreau::{
-    Accuracy, ControlledStep, Controller, Hand, Input, Model, Outcome, Settings, State, StepDoubling, Workspace,
-    controlled_step,
+    Accuracy, ControlledStep, Controller, Model, Settings, SiteHand, SiteInput, State, StepDoubling, StepOutcome,
+    Workspace, controlled_step,
 };
 
 /// Callback that returns the input of an inner step. Arguments: time from the start of the adaptive step, s; length of
 /// the inner step, s; a function that returns the position of the driven point at that instant, m
 /// ([`crate::Observation::site_position`]).
-pub type InputDuring<'a> = dyn FnMut(f64, f64, &dyn Fn() -> f64) -> Input<f64> + 'a;
+pub type InputDuring<'a> = dyn FnMut(f64, f64, &dyn Fn() -> f64) -> SiteInput<f64> + 'a;
 
 pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {
     controller: Controller<f64, Z>,
@@ -16,7 +16,7 @@ pub(crate) struct Control<const B: usize, const Z: usize, const N: usize> {
     /// Index of the half taken last.
     half: usize,
     /// Hands that drove the halves of the last step, with position and velocity before each.
-    pub hands: [Option<(Hand<f64>, [f64; 2])>; 2],
+    pub hands: [Option<(SiteHand<f64>, [f64; 2])>; 2],
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Control<B, Z, N> {
@@ -56,7 +56,7 @@ impl<const B: usize, const Z: usize, const N: usize> Control<B, Z, N> {
             input
         };
         let report = controlled_step(model, settings, accuracy, controller, limit, input, state, halves);
-        if report.outcome == Outcome::NonFinite {
+        if report.outcome == StepOutcome::NonFinite {
             return (report, None);
         }
         *half = 0;
@@ -67,8 +67,8 @@ impl<const B: usize, const Z: usize, const N: usize> Control<B, Z, N> {
 /// The hand that drives a step, and its place and velocity before it.
 #[inline(always)]
 pub(crate) fn hand_of<const B: usize, const Z: usize>(
-    input: &Input<f64>,
+    input: &SiteInput<f64>,
     state: &State<f64, B, Z>,
-) -> Option<(Hand<f64>, [f64; 2])> {
-    if let Input::Hand(hand) = input { Some((*hand, state.hand)) } else { None }
+) -> Option<(SiteHand<f64>, [f64; 2])> {
+    if let SiteInput::Hand(hand) = input { Some((*hand, state.hand)) } else { None }
 }

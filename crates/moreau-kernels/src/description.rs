@@ -1,6 +1,6 @@
 //! Owned description of a mechanism, in lists of any length.
 
-use moreau::{Body, Curve, Description, Dwell, Felt, Model, ModelError, Scalar, Site, Spring, Yields, Zone};
+use moreau::{Body, ContactCurve, Description, Dwell, Felt, Model, ModelError, Scalar, Site, Spring, Yields, Zone};
 
 /// Parts of a mechanism, before compilation into a model of fixed size. Indices count from 0; the ground is
 /// [`moreau::GROUND`].
@@ -87,14 +87,18 @@ impl OwnedDescription<f64> {
             radius: f(z.radius),
             curve_body: z.curve_body,
             curve: match z.curve {
-                Curve::Line { point, normal } => Curve::Line { point: point.map(&mut *f), normal: normal.map(&mut *f) },
-                Curve::Segment { from, direction, length, rounding } => Curve::Segment {
+                ContactCurve::Line { point, normal } => {
+                    ContactCurve::Line { point: point.map(&mut *f), normal: normal.map(&mut *f) }
+                }
+                ContactCurve::Segment { from, direction, length, rounding } => ContactCurve::Segment {
                     from: from.map(&mut *f),
                     direction: direction.map(&mut *f),
                     length: f(length),
                     rounding: f(rounding),
                 },
-                Curve::Disc { center, radius } => Curve::Disc { center: center.map(&mut *f), radius: f(radius) },
+                ContactCurve::Disc { center, radius } => {
+                    ContactCurve::Disc { center: center.map(&mut *f), radius: f(radius) }
+                }
             },
             felt: felt(&z.felt, f),
             friction: z.friction.map(&mut *f),

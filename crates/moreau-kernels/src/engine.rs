@@ -4,15 +4,15 @@
 use core::cell::OnceCell;
 
 use moreau::{
-    Accuracy, Contact, ControlledStep, Energies, GROUND, Hand, ImpactPredictor, Input, Ledger, LossIn, Model,
-    ModelError, Outcome, Pose, SavedState, Settings, Sleep, State, StepReport, TrackedPoint, Workspace,
+    Accuracy, Contact, ControlledStep, Energies, GROUND, ImpactPredictor, Ledger, LossIn, Model, ModelError, Pose,
+    SavedState, Settings, SiteHand, SiteInput, Sleep, State, StepOutcome, StepReport, TrackedPoint, Workspace,
     step_out_of_line,
 };
 
 use crate::controlled::InputDuring;
 use crate::controlled::{Control, hand_of};
 use crate::impact::predictor;
-use crate::mechanism::{Mechanism, Part, Readout, Saved, StepOutput, Stepping};
+use crate::mechanism::{Mechanism, Readout, Saved, StatePart, StepOutput, Stepping};
 use crate::observation::{Observation, site_position};
 use crate::surfaces::{Halving, Over, Surfaces, Under};
 use crate::{Impact, OwnedDescription, Probes};
@@ -31,7 +31,7 @@ pub(crate) struct Stepped<const B: usize, const Z: usize> {
     /// Absolute angular velocities before the last step, rad/s.
     pub velocity_before: [f64; B],
     /// Hand that drove the last step, with its position, m, and velocity, m/s, before it.
-    pub hand: Option<(Hand<f64>, [f64; 2])>,
+    pub hand: Option<(SiteHand<f64>, [f64; 2])>,
     /// Whether steps that change nothing may be skipped.
     pub may_rest: bool,
     /// Report of the last step.
@@ -127,15 +127,19 @@ impl Share {
     /// Returns the input of this part, from that of the step: a force stays constant, a position advances at its
     /// velocity.
     #[inline(always)]
-    pub(crate) fn input(self, whole: &Settings<f64>, input: &Input<f64>) -> Input<f64> {
+    pub(crate) fn input(self, whole: &Settings<f64>, input: &SiteInput<f64>) -> SiteInput<f64> {
         if self.of == 1 {
             return *input;
         }
         // From the theta point of the step to that of the part.
         let later_s = whole.step * (self.begins() + whole.theta * (self.ends() - self.begins() - 1.0));
         match *input {
-            Input::Motion { position, velocity } => Input::Motion { position: position + later_s * velocity, velocity },
-            Input::Hand(hand) => Input::Hand(Hand { position: hand.position + later_s * hand.velocity, ..hand }),
+            SiteInput::Motion { position, velocity } => {
+                SiteInput::Motion { position: position + later_s * velocity, velocity }
+            }
+            SiteInput::Hand(hand) => {
+                SiteInput::Hand(SiteHand { position: hand.position + later_s * hand.velocity, ..hand })
+            }
             other => other,
         }
     }
@@ -143,11 +147,11 @@ impl Share {
 
 /// Returns the common report of several parts of a step: the worst outcome, and the sum of the work.
 pub(crate) fn together(a: StepReport, b: StepReport) -> StepReport {
-    let rank = |outcome: Outcome| match outcome {
-        Outcome::Converged => 0,
-        Outcome::IterationLimit => 1,
-        Outcome::TooManyLaws => 2,
-        Outcome::NonFinite => 3,
+    let rank = |outcome: StepOutcome| match outcome {
+        StepOutcome::Converged => 0,
+        StepOutcome::IterationLimit => 1,
+        StepOutcome::TooManyLaws => 2,
+        StepOutcome::NonFinite => 3,
     };
     StepReport {
         outcome: if rank(b.outcome) > rank(a.outcome) { b.outcome } else { a.outcome },
@@ -156,7 +160,7 @@ pub(crate) fn together(a: StepReport, b: StepReport) -> StepReport {
     }
 }
 
-pub(crate) const NO_STEP: StepReport = StepReport { outcome: Outcome::Converged, newton: 0, solver: 0 };
+pub(crate) const NO_STEP: StepReport = StepReport { outcome: StepOutcome::Converged, newton: 0, solver: 0 };
 
 impl<const B: usize, const Z: usize> Stepped<B, Z> {
     pub(crate) fn new(description: &OwnedDescription, probes: &Probes) -> Result<Self, ModelError> {
@@ -214,7 +218,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
 
     /// Returns the number of parts of the next step under an input.
     #[inline(always)]
-    pub(crate) fn choose(&mut self, input: &Input<f64>) -> u32 {
+    pub(crate) fn choose(&mut self, input: &SiteInput<f64>) -> u32 {
         match &mut self.under {
             None => 1,
             Some(under) => under.choose(input, (&self.model, &self.state, &mut self.sleep)),
@@ -227,7 +231,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
     pub(crate) fn step<const N: usize>(
         &mut self,
         settings: &Settings<f64>,
-        input: &Input<f64>,
+        input: &SiteInput<f64>,
         (step_s, part): (f64, Share),
         workspace: &mut Workspace<f64, B, Z, N>,
     ) -> StepReport {
@@ -258,7 +262,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
             report
         };
         if over != Over::Nothing
-            && report.outcome != Outcome::NonFinite
+            && report.outcome != StepOutcome::NonFinite
             && let Some(under) = &mut self.under
         {
             under.after_step(over, settings, &self.model, workspace);
@@ -271,9 +275,9 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
     fn predict_impact(&mut self, before_s: f64, step_s: f64) {
         if self.skipped {
             self.skipped = false;
-            self.predictor.stood(before_s, step_s);
+            self.predictor.unchanged(before_s, step_s);
         }
-        if self.report.outcome != Outcome::NonFinite {
+        if self.report.outcome != StepOutcome::NonFinite {
             self.predictor.update(&self.model, self.clock.now_s, &self.state.angle, &self.state.velocity);
         }
     }
@@ -311,7 +315,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
     pub(crate) fn save_at(&self, clock: &Clock) -> Saved {
         let mut predictor = self.predictor.clone();
         if self.skipped || clock.steps != self.clock.steps {
-            predictor.stood(clock.now_s, clock.now_s - clock.before_s);
+            predictor.unchanged(clock.now_s, clock.now_s - clock.before_s);
         }
         Saved {
             state: self.state.save().sized(),
@@ -363,12 +367,12 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
     ) -> Result<Self, ModelError> {
         let mut core: Stepped<B, Z> = Stepped::new(description, probes)?;
         let workspace = Workspace::for_model(&core.model)?;
-        core.under = surfaces.map(|surfaces| Under::new(surfaces, settings.step, Halving::AsAsked));
+        core.under = surfaces.map(|surfaces| Under::new(surfaces, settings.step, Halving::Auto));
         Ok(Engine {
             output: core.output(0.0, 0.0, NO_STEP),
             core,
             probes: *probes,
-            stepping: Stepping { settings, halving: Halving::AsAsked, may_rest: true, keeps_contacts: false },
+            stepping: Stepping { settings, halving: Halving::Auto, may_rest: true, keeps_contacts: false },
             taken: settings,
             workspace,
             control: None,
@@ -415,7 +419,7 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
 
     /// Takes a step, or a part of one.
     #[inline(always)]
-    fn take(&mut self, input: &Input<f64>, part: Share) {
+    fn take(&mut self, input: &SiteInput<f64>, part: Share) {
         let rested = self.core.rests();
         let whole = &self.stepping.settings;
         let own = part.settings(whole);
@@ -424,7 +428,7 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
             // Else the workspace is still that of the step before.
             self.taken = own;
         }
-        if report.outcome == Outcome::NonFinite {
+        if report.outcome == StepOutcome::NonFinite {
             // It is where it was, and when.
             self.core.clock.take_back(part);
         }
@@ -449,7 +453,7 @@ impl<const B: usize, const Z: usize, const N: usize> Engine<B, Z, N> {
 }
 
 impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, N> {
-    fn step(&mut self, input: &Input<f64>) -> &StepOutput {
+    fn step(&mut self, input: &SiteInput<f64>) -> &StepOutput {
         self.control = None;
         let of = self.core.choose(input);
         if of == 1 {
@@ -462,7 +466,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
             self.take(&part.input(&whole, input), part);
             report = together(report, self.output.report);
             impact = impact.or(self.output.impact);
-            if report.outcome == Outcome::NonFinite {
+            if report.outcome == StepOutcome::NonFinite {
                 break;
             }
         }
@@ -485,7 +489,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
             let own = if of == 1 { first } else { ask(self, part, input) };
             self.take(&own, part);
             report = together(report, self.output.report);
-            if report.outcome == Outcome::NonFinite {
+            if report.outcome == StepOutcome::NonFinite {
                 break;
             }
             observe(self, part.is_last());
@@ -563,15 +567,15 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         }
     }
 
-    fn set(&mut self, part: Part) {
+    fn set(&mut self, part: StatePart) {
         match part {
-            Part::Instant(now_s) => self.core.begin_at(now_s),
-            Part::Standstill => {
+            StatePart::Instant(now_s) => self.core.begin_at(now_s),
+            StatePart::Standstill => {
                 self.control = None;
                 self.core.sleep.wake();
                 self.core.state.velocity = [0.0; B];
             }
-            Part::Hand(hand) => {
+            StatePart::Hand(hand) => {
                 self.core.sleep.wake();
                 self.core.state.hand = hand;
             }
@@ -586,7 +590,7 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism for Engine<B, Z, 
         self.core.energies(&state)
     }
 
-    fn book(&self, ledger: &mut Ledger) {
+    fn record_energy(&self, ledger: &mut Ledger) {
         let (settings, workspace) = self.last();
         let Stepped { model, state, velocity_before, under, .. } = &self.core;
         if let Some(contacts) = &self.contacts {

@@ -30,7 +30,9 @@ pub use controlled::InputDuring;
 pub use description::{OwnedDescription, Probes};
 pub use impact::Impact;
 pub use lanes::{Group, Lanes};
-pub use mechanism::{Mechanism, Part, Readout, Saved, StepOutput, Stepping, mechanism, open_ledger, take_stock};
+pub use mechanism::{
+    Mechanism, Readout, Saved, StatePart, StepOutput, Stepping, mechanism, open_ledger, update_energies,
+};
 pub use moreau::impact_in_flight;
 pub use observation::{LaneObserver, Observation, lane_observer};
 pub use side_by_side::{SideBySide, side_by_side};

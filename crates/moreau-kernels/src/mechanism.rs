@@ -1,7 +1,8 @@
 //! A single mechanism of any size.
 
 use moreau::{
-    Accuracy, Contact, ControlledStep, Energies, Input, Ledger, LossIn, ModelError, SavedState, Settings, StepReport,
+    Accuracy, Contact, ControlledStep, Energies, Ledger, LossIn, ModelError, SavedState, Settings, SiteInput,
+    StepReport,
 };
 
 use crate::controlled::InputDuring;
@@ -49,7 +50,7 @@ pub struct Stepping {
 
 /// Part of a mechanism's state that can be set from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Part {
+pub enum StatePart {
     /// Present instant, s. The samples for predicting an impact are discarded.
     Instant(f64),
     /// Sets the velocities of all bodies to zero.
@@ -113,7 +114,7 @@ pub trait Mechanism: Observation + Send {
     /// Advances by one step of the current settings. If the step is taken in parts ([`Surfaces::parts`]), a force is
     /// constant over all parts, and a position advances at its velocity; the output's forces are those of the last
     /// part.
-    fn step(&mut self, input: &Input<f64>) -> &StepOutput;
+    fn step(&mut self, input: &SiteInput<f64>) -> &StepOutput;
     /// Advances by one step with an input for each part. Calls `observe` after each part; its flag is true after the
     /// last one. If a number becomes infinite or NaN, the parts before stay taken.
     fn step_in_parts(&mut self, input: &mut InputDuring, observe: &mut dyn FnMut(&dyn Mechanism, bool)) -> StepReport;
@@ -133,12 +134,12 @@ pub trait Mechanism: Observation + Send {
     /// Changes the settings of steps from the next one on. Allocates when it begins to keep contacts.
     fn configure(&mut self, stepping: Stepping);
     /// Sets a part of the state from outside, before the next step.
-    fn set(&mut self, part: Part);
+    fn set(&mut self, part: StatePart);
     /// Returns the stored energies, J, of the present pose with the given absolute angular velocities, rad/s.
     fn energies_at(&self, velocities: &[f64]) -> Energies;
     /// Records the last step in a ledger ([`open_ledger`]). Of a step taken in parts only the last part is recorded:
     /// record after each part ([`Mechanism::step_in_parts`]).
-    fn book(&self, ledger: &mut Ledger);
+    fn record_energy(&self, ledger: &mut Ledger);
     /// Reports the loss of each pivot and each zone in the last step, J, as a ledger records them. Requires
     /// [`Stepping::keeps_contacts`].
     fn each_loss(&self, lose: &mut dyn FnMut(LossIn, f64));
@@ -184,6 +185,6 @@ pub fn open_ledger(mechanism: &mut dyn Mechanism) -> Ledger {
 }
 
 /// Evaluates a mechanism's stored energy. The ledger's residual refers to the last call.
-pub fn take_stock(mechanism: &dyn Mechanism, ledger: &mut Ledger) {
+pub fn update_energies(mechanism: &dyn Mechanism, ledger: &mut Ledger) {
     ledger.now = mechanism.energies_at(mechanism.readout().velocities);
 }

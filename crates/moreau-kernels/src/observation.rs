@@ -2,7 +2,9 @@
 
 use core::cell::OnceCell;
 
-use moreau::{Energies, GROUND, ImpactPredictor, Input, Ledger, Model, ModelError, Pose, Settings, State, Workspace};
+use moreau::{
+    Energies, GROUND, ImpactPredictor, Ledger, Model, ModelError, Pose, Settings, SiteInput, State, Workspace,
+};
 
 use crate::impact::predictor;
 use crate::size::with_size;
@@ -43,9 +45,15 @@ pub trait LaneObserver: Observation + Send {
     fn begin(&mut self, group: &dyn SideBySide, index: usize);
     /// Evaluates the forces of the step that ended in the group's present state ([`Workspace::retrace`]) and returns
     /// true. Returns false if that step changed nothing.
-    fn retrace(&mut self, settings: &Settings<f64>, input: &Input<f64>, group: &dyn SideBySide, index: usize) -> bool;
+    fn retrace(
+        &mut self,
+        settings: &Settings<f64>,
+        input: &SiteInput<f64>,
+        group: &dyn SideBySide,
+        index: usize,
+    ) -> bool;
     /// Records the step retraced last in a ledger.
-    fn book(&self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>);
+    fn record_energy(&self, ledger: &mut Ledger, settings: &Settings<f64>, input: &SiteInput<f64>);
     /// Returns the stored energies at the end of the step retraced last, J.
     fn energies(&self) -> Energies;
 }
@@ -106,7 +114,13 @@ impl<const B: usize, const Z: usize> LaneObserver for Observed<B, Z> {
         copy_state(group, index, &mut self.ends[1]);
     }
 
-    fn retrace(&mut self, settings: &Settings<f64>, input: &Input<f64>, group: &dyn SideBySide, index: usize) -> bool {
+    fn retrace(
+        &mut self,
+        settings: &Settings<f64>,
+        input: &SiteInput<f64>,
+        group: &dyn SideBySide,
+        index: usize,
+    ) -> bool {
         let Observed { model, ends, acted, .. } = self;
         ends.swap(0, 1);
         let [before, after] = ends;
@@ -119,10 +133,10 @@ impl<const B: usize, const Z: usize> LaneObserver for Observed<B, Z> {
         true
     }
 
-    fn book(&self, ledger: &mut Ledger, settings: &Settings<f64>, input: &Input<f64>) {
+    fn record_energy(&self, ledger: &mut Ledger, settings: &Settings<f64>, input: &SiteInput<f64>) {
         let [before, after] = &self.ends;
         ledger.record(&self.model, settings, before, after, &self.acted);
-        if let Input::Hand(hand) = input {
+        if let SiteInput::Hand(hand) = input {
             ledger.hand.record(&self.model, settings, hand, &before.hand, &before.velocity, after, &self.acted);
         }
     }

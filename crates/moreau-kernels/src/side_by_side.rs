@@ -2,7 +2,7 @@
 
 use core::any::Any;
 
-use moreau::{Input, Model, ModelError, Outcome, SavedState, Settings, State};
+use moreau::{Model, ModelError, SavedState, Settings, SiteInput, State, StepOutcome};
 
 use crate::size::with_size;
 use crate::{EveryBody, Group, Lanes, OwnedDescription, Size};
@@ -16,13 +16,13 @@ pub trait SideBySide: Send {
     ///
     /// # Panics
     /// Panics if there are fewer inputs or outcomes than mechanisms.
-    fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]);
+    fn step(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]);
     /// Advances all mechanisms as [`SideBySide::step`] does, but skips steps that would change nothing. Results are
     /// bit-identical.
     ///
     /// # Panics
     /// As [`SideBySide::step`].
-    fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]);
+    fn step_or_rest(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]);
     /// Copies one mechanism's absolute angles, rad, and angular velocities, rad/s. Places beyond the mechanism's size
     /// keep their values.
     fn motion(&self, index: usize, angles: &mut EveryBody, velocities: &mut EveryBody);
@@ -108,7 +108,7 @@ impl Parts {
         (self.parts[index / width].as_ref(), index % width)
     }
 
-    fn each(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome], step: StepOfPart) {
+    fn each(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome], step: StepOfPart) {
         let width = self.lanes.count();
         for ((part, inputs), outcomes) in
             self.parts.iter_mut().zip(inputs.chunks(width)).zip(outcomes.chunks_mut(width))
@@ -118,18 +118,18 @@ impl Parts {
     }
 }
 
-type StepOfPart = fn(&mut dyn SideBySide, &[Input<f64>], &mut [Outcome]);
+type StepOfPart = fn(&mut dyn SideBySide, &[SiteInput<f64>], &mut [StepOutcome]);
 
 impl SideBySide for Parts {
     fn lanes(&self) -> Lanes {
         self.parts.first().map_or(Lanes::One, |part| part.lanes())
     }
 
-    fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    fn step(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]) {
         self.each(inputs, outcomes, |part, inputs, outcomes| part.step(inputs, outcomes));
     }
 
-    fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    fn step_or_rest(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]) {
         self.each(inputs, outcomes, |part, inputs, outcomes| part.step_or_rest(inputs, outcomes));
     }
 
@@ -173,11 +173,11 @@ impl<const B: usize, const Z: usize, const N: usize> SideBySide for Group<B, Z, 
         Group::lanes(self)
     }
 
-    fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    fn step(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]) {
         Group::step(self, inputs, outcomes);
     }
 
-    fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    fn step_or_rest(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]) {
         Group::step_or_rest(self, inputs, outcomes);
     }
 

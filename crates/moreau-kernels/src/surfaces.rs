@@ -3,7 +3,7 @@
 
 use std::any::Any;
 
-use moreau::{COUPLED, Input, Model, Pose, Settings, Sleep, State, Surface, Workspace};
+use moreau::{COUPLED, Model, Pose, Settings, SiteInput, Sleep, State, Surface, Workspace};
 
 /// A compliant external subsystem under zones ([`moreau::Yields`]), implemented by the caller. An index is a zone's
 /// place in [`Surfaces::zones`]. Displacements are along the zone's normal, positive away from the disc.
@@ -89,7 +89,7 @@ impl Parts {
 pub enum Halving {
     /// The number of parts that the surfaces request.
     #[default]
-    AsAsked,
+    Auto,
     /// This many more halvings than requested, to estimate the remaining error.
     Further(u32),
     /// No halving: all steps are whole.
@@ -100,7 +100,7 @@ impl Halving {
     /// What becomes of the parts that surfaces ask for.
     fn of(self, asked: Parts) -> Parts {
         match self {
-            Halving::AsAsked => asked,
+            Halving::Auto => asked,
             Halving::Further(times) => Parts { near: asked.near.saturating_mul(1 << times.min(16)), ..asked },
             Halving::Never => Parts::WHOLE,
         }
@@ -165,7 +165,7 @@ impl Under {
     /// from a saved state takes the same parts. A change wakes what sleeps: it slept in steps of another length.
     pub(crate) fn choose<const B: usize, const Z: usize>(
         &mut self,
-        input: &Input<f64>,
+        input: &SiteInput<f64>,
         (model, state, sleep): (&Model<f64, B, Z>, &State<f64, B, Z>, &mut Sleep<f64>),
     ) -> u32 {
         let Parts { apart, near, reach_m } = self.parts;
@@ -202,7 +202,7 @@ impl Under {
     pub(crate) fn before_step<const B: usize, const Z: usize, const N: usize>(
         &self,
         settings: &Settings<f64>,
-        input: &Input<f64>,
+        input: &SiteInput<f64>,
         (model, state, sleep): (&Model<f64, B, Z>, &State<f64, B, Z>, Option<&mut Sleep<f64>>),
         workspace: &mut Workspace<f64, B, Z, N>,
     ) -> Over {

@@ -1,7 +1,7 @@
 //! A contact zone in the form that the step reads: constants are precomputed, and numbers that are read together are
 //! stored together.
 
-use crate::description::{Curve, Zone};
+use crate::description::{ContactCurve, Zone};
 use crate::felt::FeltLaw;
 use crate::pose::Pose;
 use crate::real::Real;
@@ -48,9 +48,11 @@ impl<T: Real> CompiledZone<T> {
     pub(crate) fn of(zone: &Zone<T>) -> Self {
         let o = [T::ZERO; 2];
         let (core, axis, from, length, size) = match zone.curve {
-            Curve::Line { point, normal } => (Core::Line, normal, o, T::ZERO, dot(point, normal)),
-            Curve::Segment { from, direction, length, rounding } => (Core::Segment, direction, from, length, rounding),
-            Curve::Disc { center, radius } => (Core::Point, o, center, T::ZERO, radius),
+            ContactCurve::Line { point, normal } => (Core::Line, normal, o, T::ZERO, dot(point, normal)),
+            ContactCurve::Segment { from, direction, length, rounding } => {
+                (Core::Segment, direction, from, length, rounding)
+            }
+            ContactCurve::Disc { center, radius } => (Core::Point, o, center, T::ZERO, radius),
         };
         CompiledZone {
             disc_body: zone.disc_body,

@@ -255,7 +255,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         surface: &Yielding<T>,
     ) -> Memory<T> {
         if !touched.any() {
-            return zone.felt.left_alone(timing, &self.memory).0;
+            return zone.felt.relax(timing, &self.memory).0;
         }
         let ahead = timing.theta * support.product(&self.row, change);
         let (rate, compression) = (self.rate + ahead, self.compression + timing.h_theta * ahead);
@@ -264,10 +264,10 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         } else {
             (compression, rate)
         };
-        match zone.felt.recall(compression, rate, timing, touched, &self.memory) {
+        match zone.felt.load_state(compression, rate, timing, touched, &self.memory) {
             Some(memory) if touched.all() => memory,
             recalled => {
-                let alone = zone.felt.left_alone(timing, &self.memory).0;
+                let alone = zone.felt.relax(timing, &self.memory).0;
                 let mut memory = recalled.unwrap_or(alone);
                 for (kept, alone) in memory.iter_mut().zip(alone) {
                     *kept = T::select(touched, *kept, alone);
@@ -293,7 +293,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
         if const { T::LANES == 1 } && zone.felt.yields() {
             return self.remainder_on(zone, rate, timing, active, surface);
         }
-        let bend = zone.felt.bend(self.compression, self.rate, timing, active, &self.memory);
+        let bend = zone.felt.curvature(self.compression, self.rate, timing, active, &self.memory);
         self.bent(zone, &bend, rate, timing, active)
     }
 
@@ -356,7 +356,7 @@ impl<T: Real, const B: usize> ContactState<T, B> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::description::{Body, Curve, Description, GROUND, Zone};
+    use crate::description::{Body, ContactCurve, Description, GROUND, Zone};
     use crate::felt::Felt;
     use crate::law::{Exponent, Loss};
 
@@ -369,9 +369,9 @@ mod tests {
         let felt = Felt { stiffness: 1.0, exponent: Exponent::Two, loss: Loss::quadratic(1.0) };
         let s = 0.5_f64.sqrt();
         let curves = [
-            Curve::Line { point: [0.1, 0.3], normal: [s, s] },
-            Curve::Segment { from: [0.0, 0.0], direction: [s, -s], length: 0.4, rounding: 0.05 },
-            Curve::Disc { center: [0.2, 0.1], radius: 0.1 },
+            ContactCurve::Line { point: [0.1, 0.3], normal: [s, s] },
+            ContactCurve::Segment { from: [0.0, 0.0], direction: [s, -s], length: 0.4, rounding: 0.05 },
+            ContactCurve::Disc { center: [0.2, 0.1], radius: 0.1 },
         ];
         for curve in curves {
             for (a, b) in [(2, 3), (3, 2), (2, 0), (0, 2), (GROUND, 2), (2, GROUND)] {
@@ -408,7 +408,7 @@ mod tests {
     #[test]
     fn the_remainder_is_what_it_says() {
         let felt = Felt { stiffness: 4e7, exponent: Exponent::Two, loss: Loss::quadratic(8e7) };
-        let curve = Curve::Line { point: [0.0, -0.1], normal: [0.0, 1.0] };
+        let curve = ContactCurve::Line { point: [0.0, -0.1], normal: [0.0, 1.0] };
         let zone =
             Zone { disc_body: 0, center: [0.4, 0.0], radius: 0.1, curve_body: GROUND, curve, felt, friction: None };
         let bodies = [Body { mass: 1.0, ..Body::inert() }];
@@ -432,7 +432,8 @@ mod tests {
                 );
                 for change in [1e-3, -0.2, 3.0] {
                     let rate = theta * (contact.row[0] * change).abs();
-                    let bend = compiled.felt.bend(contact.compression, contact.rate, &timing, true, &[0.0; MEMORY]);
+                    let bend =
+                        compiled.felt.curvature(contact.compression, contact.rate, &timing, true, &[0.0; MEMORY]);
                     let (linear, quadratic) = (bend.linear * rate, bend.quadratic * rate * rate);
                     let bent = if linear < bend.slack { quadratic } else { linear.max(quadratic) };
                     let reach = timing.h_theta + timing.node;

@@ -157,7 +157,7 @@ impl<T: Real> Terms<T> {
 mod tests {
     use super::*;
     use crate::contact::ContactState;
-    use crate::description::{Body, Curve, Description, GROUND};
+    use crate::description::{Body, ContactCurve, Description, GROUND};
     use crate::felt::Felt;
     use crate::law::{Exponent, Loss};
     use crate::pose::Pose;
@@ -176,13 +176,13 @@ mod tests {
             center: [0.1, 0.0],
             radius: 0.01,
             curve_body: GROUND,
-            curve: Curve::Line { point: [0.0, y], normal: [0.0, 1.0] },
+            curve: ContactCurve::Line { point: [0.0, y], normal: [0.0, 1.0] },
             felt: Felt { stiffness: 3e6, exponent, loss },
             friction: None,
         };
         let (quadratic, hunt_crossley) = (Loss::quadratic(2e6), Loss::hunt_crossley(0.7));
         let against_disc = |loss| Zone {
-            curve: Curve::Disc { center: [0.31, -0.015], radius: 0.005 },
+            curve: ContactCurve::Disc { center: [0.31, -0.015], radius: 0.005 },
             ..zone(1, 0.0, Exponent::Two, loss)
         };
         // The first is strongly damped, so that it soon pushes no more.
@@ -264,7 +264,7 @@ mod tests {
                 center: [0.1, 0.0],
                 radius: 0.01,
                 curve_body: GROUND,
-                curve: Curve::Line { point: [0.0, -0.009], normal: [0.0, 1.0] },
+                curve: ContactCurve::Line { point: [0.0, -0.009], normal: [0.0, 1.0] },
                 felt: Felt { stiffness: 3e6, exponent, loss },
                 friction: None,
             };

@@ -54,7 +54,7 @@ pub struct Spring<T> {
 
 /// Surface that a zone's disc presses on, in the frame of the body that carries the curve.
 #[derive(Debug, Clone, Copy)]
-pub enum Curve<T> {
+pub enum ContactCurve<T> {
     /// A straight line through `point` with outward unit `normal`.
     Line {
         /// A point of the line.
@@ -94,7 +94,7 @@ pub struct Zone<T> {
     /// Carrier of the curve, or [`GROUND`].
     pub curve_body: usize,
     /// Surface that the disc presses on.
-    pub curve: Curve<T>,
+    pub curve: ContactCurve<T>,
     /// Felt: stiffness and energy loss of the contact.
     pub felt: Felt<T>,
     /// Coulomb friction coefficient; `None` without friction.
@@ -110,7 +110,7 @@ impl<T: Real> Zone<T> {
             center: o,
             radius: T::ZERO,
             curve_body: GROUND,
-            curve: Curve::Disc { center: o, radius: T::ZERO },
+            curve: ContactCurve::Disc { center: o, radius: T::ZERO },
             felt: Felt::none(),
             friction: None,
         }
@@ -144,7 +144,7 @@ pub struct Site<T> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dwell<T> {
     /// The body whose pivot has dry friction, or the zone with Coulomb friction.
-    pub part: Part,
+    pub part: DescriptionPart,
     /// Static over kinetic friction, at least 1.
     pub ratio: T,
     /// Time constant tau of the growth, s.
@@ -224,14 +224,14 @@ pub enum ModelError {
     /// A part refers to a body index that does not exist.
     UnknownBody {
         /// Part that contains the index.
-        part: Part,
+        part: DescriptionPart,
         /// The index.
         body: usize,
     },
     /// A number is out of its range.
     BadNumber {
         /// Part that contains the number.
-        part: Part,
+        part: DescriptionPart,
         /// Name, value and expected range.
         fault: Fault,
     },
@@ -239,7 +239,7 @@ pub enum ModelError {
 
 /// A part of a description, by its index in its list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum DescriptionPart {
     /// A body.
     Body(usize),
     /// A spring.
@@ -252,14 +252,14 @@ pub enum Part {
     Mechanism,
 }
 
-impl fmt::Display for Part {
+impl fmt::Display for DescriptionPart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Part::Body(i) => write!(f, "body {i}"),
-            Part::Spring(i) => write!(f, "spring {i}"),
-            Part::Zone(i) => write!(f, "zone {i}"),
-            Part::Site => write!(f, "the driven site"),
-            Part::Mechanism => write!(f, "the mechanism"),
+            DescriptionPart::Body(i) => write!(f, "body {i}"),
+            DescriptionPart::Spring(i) => write!(f, "spring {i}"),
+            DescriptionPart::Zone(i) => write!(f, "zone {i}"),
+            DescriptionPart::Site => write!(f, "the driven site"),
+            DescriptionPart::Mechanism => write!(f, "the mechanism"),
         }
     }
 }
@@ -306,24 +306,24 @@ impl<T: Scalar> Description<'_, T> {
             if body.parent != GROUND && body.parent >= i {
                 return Err(ModelError::ParentOrder { body: i, parent: body.parent });
             }
-            sound(Part::Body(i), body_fault(body))?;
+            sound(DescriptionPart::Body(i), body_fault(body))?;
         }
         for (i, spring) in self.springs.iter().enumerate() {
-            self.known(Part::Spring(i), spring.body)?;
-            sound(Part::Spring(i), spring_fault(spring))?;
+            self.known(DescriptionPart::Spring(i), spring.body)?;
+            sound(DescriptionPart::Spring(i), spring_fault(spring))?;
         }
         for (i, zone) in self.zones.iter().enumerate() {
             for body in [zone.disc_body, zone.curve_body] {
                 if body != GROUND {
-                    self.known(Part::Zone(i), body)?;
+                    self.known(DescriptionPart::Zone(i), body)?;
                 }
             }
-            sound(Part::Zone(i), zone_fault(zone))?;
+            sound(DescriptionPart::Zone(i), zone_fault(zone))?;
         }
         for dwell in self.dwells {
             let dry = match dwell.part {
-                Part::Body(i) => self.bodies.get(i).is_some_and(|body| body.dry > T::ZERO),
-                Part::Zone(z) => self.zones.get(z).is_some_and(|zone| zone.friction.is_some()),
+                DescriptionPart::Body(i) => self.bodies.get(i).is_some_and(|body| body.dry > T::ZERO),
+                DescriptionPart::Zone(z) => self.zones.get(z).is_some_and(|zone| zone.friction.is_some()),
                 _ => false,
             };
             let nothing =
@@ -341,21 +341,24 @@ impl<T: Scalar> Description<'_, T> {
                     of("the eta of a zone that yields", eta.to_f64(), "a felt without a set-valued loss")
                 }),
             };
-            sound(Part::Zone(yields.zone), fault.or_else(|| Fault::negative("excursion", yields.excursion)))?;
+            sound(
+                DescriptionPart::Zone(yields.zone),
+                fault.or_else(|| Fault::negative("excursion", yields.excursion)),
+            )?;
         }
         if let Some(site) = &self.site {
-            self.known(Part::Site, site.body)?;
-            sound(Part::Site, site_fault(site))?;
+            self.known(DescriptionPart::Site, site.body)?;
+            sound(DescriptionPart::Site, site_fault(site))?;
         }
-        sound(Part::Mechanism, Fault::not_finite("gravity", self.gravity))
+        sound(DescriptionPart::Mechanism, Fault::not_finite("gravity", self.gravity))
     }
 
-    fn known(&self, part: Part, body: usize) -> Result<(), ModelError> {
+    fn known(&self, part: DescriptionPart, body: usize) -> Result<(), ModelError> {
         if body < self.bodies.len() { Ok(()) } else { Err(ModelError::UnknownBody { part, body }) }
     }
 }
 
-fn sound(part: Part, fault: Option<Fault>) -> Result<(), ModelError> {
+fn sound(part: DescriptionPart, fault: Option<Fault>) -> Result<(), ModelError> {
     fault.map_or(Ok(()), |fault| Err(ModelError::BadNumber { part, fault }))
 }
 
@@ -376,12 +379,14 @@ fn spring_fault<T: Scalar>(spring: &Spring<T>) -> Option<Fault> {
 
 fn zone_fault<T: Scalar>(zone: &Zone<T>) -> Option<Fault> {
     let curve = match zone.curve {
-        Curve::Line { point, normal } => Fault::vector("point", point).or_else(|| Fault::not_unit("normal", normal)),
-        Curve::Segment { from, direction, length, rounding } => Fault::vector("from", from)
+        ContactCurve::Line { point, normal } => {
+            Fault::vector("point", point).or_else(|| Fault::not_unit("normal", normal))
+        }
+        ContactCurve::Segment { from, direction, length, rounding } => Fault::vector("from", from)
             .or_else(|| Fault::not_unit("direction", direction))
             .or_else(|| Fault::negative("length", length))
             .or_else(|| Fault::negative("rounding", rounding)),
-        Curve::Disc { center, radius } => {
+        ContactCurve::Disc { center, radius } => {
             Fault::vector("the curve's center", center).or_else(|| Fault::negative("the curve's radius", radius))
         }
     };

@@ -85,7 +85,7 @@ impl<T: Real> Felt<T> {
     /// Energy stored at a compression g: k g^(r+1) / (r+1), J, and what its memory holds.
     pub(crate) fn stored(&self, compression: T, memory: &Memory<T>) -> T {
         let spring = self.spring();
-        spring.stored(compression) + self.loss.held(&spring, compression, memory)
+        spring.stored(compression) + self.loss.stored_energy(&spring, compression, memory)
     }
 }
 
@@ -103,7 +103,7 @@ impl<T: Scalar> Felt<T> {
 
     /// See [`CurvatureBound`].
     pub(crate) fn curvature_bound(&self) -> CurvatureBound<T> {
-        CurvatureBound::of(&self.spring(), self.loss.form(), self.loss.sharper(self.exponent.value()))
+        CurvatureBound::of(&self.spring(), self.loss.rate_part(), self.loss.effective_exponent(self.exponent.value()))
     }
 }
 
@@ -143,7 +143,7 @@ impl<T: Real> Aside for Bend<'_, T> {
     #[inline(always)]
     fn run(self) -> Curvature<T> {
         let Bend(law, pressing, memory) = self;
-        law.loss.bend(&law.rate_part.spring, &pressing, memory)
+        law.loss.curvature(&law.rate_part.spring, &pressing, memory)
     }
 }
 
@@ -158,7 +158,7 @@ pub(crate) struct Carried<'a, T> {
 
 impl<T: Real> FeltLaw<T> {
     pub(crate) fn of(felt: &Felt<T>) -> Self {
-        let rate_part = RatePart::of(felt.spring(), felt.loss.form());
+        let rate_part = RatePart::of(felt.spring(), felt.loss.rate_part());
         // A set-valued loss remembers its force, and has a rate part beside it.
         let remembers = felt.remembers() && felt.dry().is_none();
         FeltLaw {
@@ -213,7 +213,7 @@ impl<T: Real> FeltLaw<T> {
 
     /// How the force of [`FeltLaw::press`] bends away from its tangent.
     #[inline(always)]
-    pub(crate) fn bend(
+    pub(crate) fn curvature(
         &self,
         compression: T,
         rate: T,
@@ -346,7 +346,7 @@ impl<T: Real> FeltLaw<T> {
     /// What becomes of its memory, where it has one; at the compression and rate of [`FeltLaw::give_way`] on a surface
     /// that yields.
     #[inline(always)]
-    pub(crate) fn recall(
+    pub(crate) fn load_state(
         &self,
         compression: T,
         rate: T,
@@ -358,7 +358,7 @@ impl<T: Real> FeltLaw<T> {
         if !self.remembers {
             return None;
         }
-        Some(self.loss.recall(&self.rate_part.spring, &pressing, memory))
+        Some(self.loss.load_state(&self.rate_part.spring, &pressing, memory))
     }
 
     /// By how much the energy that its memory holds has grown, J; what the damping force did beyond that is lost.
@@ -370,16 +370,17 @@ impl<T: Real> FeltLaw<T> {
         touched: T::Mask,
         memory: &Memory<T>,
     ) -> T {
-        let Some(after) = self.recall(compression, rate, timing, touched, memory) else { return T::ZERO };
+        let Some(after) = self.load_state(compression, rate, timing, touched, memory) else { return T::ZERO };
         let path = Pressing { compression, rate, timing, touched }.path();
-        let held = |compression: T, memory: &Memory<T>| self.loss.held(&self.rate_part.spring, compression, memory);
+        let held =
+            |compression: T, memory: &Memory<T>| self.loss.stored_energy(&self.rate_part.spring, compression, memory);
         T::only(touched, held(path.to, &after) - held(path.start, memory))
     }
 
     /// The memory after a step in which it was not touched, and by how much the energy that it holds has grown, J:
     /// nothing where it holds none.
     #[inline(always)]
-    pub(crate) fn left_alone(&self, timing: &Timing<T>, memory: &Memory<T>) -> (Memory<T>, T) {
+    pub(crate) fn relax(&self, timing: &Timing<T>, memory: &Memory<T>) -> (Memory<T>, T) {
         let mut largest = T::ZERO;
         for x in memory {
             largest = largest.max(x.abs());
@@ -387,8 +388,8 @@ impl<T: Real> FeltLaw<T> {
         if !T::ZERO.lt(largest).any() {
             return ([T::ZERO; MEMORY], T::ZERO);
         }
-        let (spring, after) = (&self.rate_part.spring, self.loss.left_alone(timing, memory));
-        (after, self.loss.held(spring, T::ZERO, &after) - self.loss.held(spring, T::ZERO, memory))
+        let (spring, after) = (&self.rate_part.spring, self.loss.relax(timing, memory));
+        (after, self.loss.stored_energy(spring, T::ZERO, &after) - self.loss.stored_energy(spring, T::ZERO, memory))
     }
 
     /// The largest force of a felt that is pressed no deeper and no faster than this, N.

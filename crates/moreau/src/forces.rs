@@ -1,8 +1,8 @@
 //! The regular part of a step: inertia and all forces that are functions of q, v and t, linearised.
 
 use crate::description::Site;
-use crate::hand::Hand;
-use crate::input::Input;
+use crate::hand::SiteHand;
+use crate::input::SiteInput;
 use crate::linear::Symmetric;
 use crate::model::Model;
 use crate::real::{Mask, Real};
@@ -93,7 +93,7 @@ fn deep_mass<T: Real, const B: usize, const Z: usize>(
 pub(crate) fn linearise<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     timing: &Timing<T>,
-    input: &Input<T>,
+    input: &SiteInput<T>,
     hand: &[T; 2],
     w: &[T; B],
     joint_angle: &[T; B],
@@ -199,7 +199,7 @@ fn gravity_and_centrifugal<T: Real, const B: usize, const Z: usize>(
 #[inline(always)]
 pub(crate) fn drive_force<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
-    input: &Input<T>,
+    input: &SiteInput<T>,
     hand: &[T; 2],
     timing: &Timing<T>,
     kinematics: &Kinematics<T, B>,
@@ -208,13 +208,13 @@ pub(crate) fn drive_force<T: Real, const B: usize, const Z: usize>(
     (drive.force, drive.pull, drive.tangent) = (T::ZERO, T::ZERO, T::ZERO);
     let site = model.site.as_ref()?;
     match *input {
-        Input::Free | Input::Rigid { .. } => None,
-        Input::Force(force) => Some((force, T::ZERO)),
-        Input::Motion { position, velocity } => {
+        SiteInput::Free | SiteInput::Rigid { .. } => None,
+        SiteInput::Force(force) => Some((force, T::ZERO)),
+        SiteInput::Motion { position, velocity } => {
             let fingertip = [site.stiffness, site.damping];
             elastic_force(model, site, [position, velocity], fingertip, timing, kinematics, drive)
         }
-        Input::Hand(ref by) => hand_force(model, site, by, hand, timing, kinematics, drive),
+        SiteInput::Hand(ref by) => hand_force(model, site, by, hand, timing, kinematics, drive),
     }
 }
 
@@ -246,7 +246,7 @@ fn elastic_force<T: Real, const B: usize, const Z: usize>(
 fn hand_force<T: Real, const B: usize, const Z: usize>(
     model: &Model<T, B, Z>,
     site: &Site<T>,
-    by: &Hand<T>,
+    by: &SiteHand<T>,
     hand: &[T; 2],
     timing: &Timing<T>,
     kinematics: &Kinematics<T, B>,
@@ -264,7 +264,7 @@ fn hand_force<T: Real, const B: usize, const Z: usize>(
 #[inline(never)]
 pub(crate) fn move_hand<T: Real, const B: usize>(
     timing: &Timing<T>,
-    by: &Hand<T>,
+    by: &SiteHand<T>,
     lanes: T::Mask,
     hand: &[T; 2],
     drive: &mut Drive<T, B>,

@@ -23,7 +23,7 @@ use crate::timing::Timing;
 /// A hand and the action of its muscle during one step. Positions, velocities and forces are along the site's
 /// direction; those of the muscle hold at t0 + theta h.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hand<T> {
+pub struct SiteHand<T> {
     /// Effective mass at the fingertip, kg; above zero.
     pub mass: T,
     /// Force of the muscle, N.
@@ -48,12 +48,12 @@ pub(crate) struct Flight<T> {
     pub free: [T; 2],
 }
 
-impl<T: Real> Hand<T> {
+impl<T: Real> SiteHand<T> {
     /// From a place and a velocity.
     #[inline(always)]
     pub(crate) fn flight(&self, [x, v]: [T; 2], timing: &Timing<T>) -> Flight<T> {
         let Timing { step: h, theta, h_theta, .. } = *timing;
-        let Hand { mass, force, stiffness, damping, position, velocity } = *self;
+        let SiteHand { mass, force, stiffness, damping, position, velocity } = *self;
         let load = force + stiffness * (position - x - h_theta * v) + damping * (velocity - v);
         let inertia = mass / h + theta * (damping + h_theta * stiffness);
         let free_velocity = v + theta * load / inertia;
@@ -61,8 +61,8 @@ impl<T: Real> Hand<T> {
     }
 
     /// The hand in numbers of another type.
-    pub(crate) fn map<U>(&self, to: impl Fn(T) -> U) -> Hand<U> {
-        Hand::of_numbers(self.numbers().map(to))
+    pub(crate) fn map<U>(&self, to: impl Fn(T) -> U) -> SiteHand<U> {
+        SiteHand::of_numbers(self.numbers().map(to))
     }
 
     /// Numbers in a fixed order.
@@ -71,10 +71,10 @@ impl<T: Real> Hand<T> {
     }
 }
 
-impl<T> Hand<T> {
-    /// From [`Hand::numbers`].
+impl<T> SiteHand<T> {
+    /// From [`SiteHand::numbers`].
     pub(crate) fn of_numbers([mass, force, stiffness, damping, position, velocity]: [T; 6]) -> Self {
-        Hand { mass, force, stiffness, damping, position, velocity }
+        SiteHand { mass, force, stiffness, damping, position, velocity }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Energy balance of a hand: work of the muscle, and where it goes.
 
-use crate::hand::Hand;
+use crate::hand::SiteHand;
 use crate::model::Model;
 use crate::real::Scalar;
 use crate::settings::Settings;
@@ -39,7 +39,7 @@ impl HandEnergy {
         &mut self,
         model: &Model<T, B, Z>,
         settings: &Settings<T>,
-        hand: &Hand<T>,
+        hand: &SiteHand<T>,
         hand_before: &[T; 2],
         velocity_before: &[T; B],
         after: &State<T, B, Z>,

@@ -137,7 +137,7 @@ impl<T: Scalar, const B: usize> ImpactPredictor<T, B> {
 
     /// Replaces the updates of a mechanism that stood still until `until_s` (s) in steps of `h` (s). The result is the
     /// same as after an update in each of these steps.
-    pub fn stood(&mut self, until_s: f64, h: f64) {
+    pub fn unchanged(&mut self, until_s: f64, h: f64) {
         self.impact = None;
         let newest = [self.next ^ 1, self.next].into_iter().find_map(|k| self.skipped[k]);
         if let Some(moment) = newest {

@@ -1,16 +1,16 @@
 //! The drive of a mechanism in one step.
 
-use crate::hand::Hand;
+use crate::hand::SiteHand;
 use crate::real::{Real, Scalar, join, same_bits};
 
-/// Correction gain for prescribed motions ([`Input::Rigid`]), per step. A caller adds this share of the site's lag
+/// Correction gain for prescribed motions ([`SiteInput::Rigid`]), per step. A caller adds this share of the site's lag
 /// behind the prescribed position, divided by the step, to the velocity of the next step. Errors of rounding and of
 /// unconverged steps then do not accumulate.
 pub const RIGID_CORRECTION: f64 = 0.1;
 
 /// Input of the mechanism at the model's [`Site`](crate::Site) during one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Input<T> {
+pub enum SiteInput<T> {
     /// No drive.
     Free,
     /// A force, N, along the site's direction, at time t0 + theta h.
@@ -30,19 +30,19 @@ pub enum Input<T> {
     },
     /// A hand: a mass moved by muscle. Its position and velocity are part of the state. The site's spring and damper
     /// act as its fingertip and give the force.
-    Hand(Hand<T>),
+    Hand(SiteHand<T>),
 }
 
-impl<T: Real> Input<T> {
+impl<T: Real> SiteInput<T> {
     /// Its kind, and its numbers in a fixed order; places that it does not use are zero.
     fn taken_apart(&self) -> (u8, [T; 6]) {
         let z = T::ZERO;
         match *self {
-            Input::Free => (0, [z; 6]),
-            Input::Force(force) => (1, [force, z, z, z, z, z]),
-            Input::Motion { position, velocity } => (2, [position, velocity, z, z, z, z]),
-            Input::Rigid { velocity } => (3, [velocity, z, z, z, z, z]),
-            Input::Hand(hand) => (4, hand.numbers()),
+            SiteInput::Free => (0, [z; 6]),
+            SiteInput::Force(force) => (1, [force, z, z, z, z, z]),
+            SiteInput::Motion { position, velocity } => (2, [position, velocity, z, z, z, z]),
+            SiteInput::Rigid { velocity } => (3, [velocity, z, z, z, z, z]),
+            SiteInput::Hand(hand) => (4, hand.numbers()),
         }
     }
 
@@ -53,35 +53,36 @@ impl<T: Real> Input<T> {
     }
 
     /// The input in numbers of another type.
-    pub(crate) fn map<U>(&self, to: impl Fn(T) -> U) -> Input<U> {
+    pub(crate) fn map<U>(&self, to: impl Fn(T) -> U) -> SiteInput<U> {
         match *self {
-            Input::Free => Input::Free,
-            Input::Force(force) => Input::Force(to(force)),
-            Input::Motion { position, velocity } => Input::Motion { position: to(position), velocity: to(velocity) },
-            Input::Rigid { velocity } => Input::Rigid { velocity: to(velocity) },
-            Input::Hand(hand) => Input::Hand(hand.map(to)),
+            SiteInput::Free => SiteInput::Free,
+            SiteInput::Force(force) => SiteInput::Force(to(force)),
+            SiteInput::Motion { position, velocity } => {
+                SiteInput::Motion { position: to(position), velocity: to(velocity) }
+            }
+            SiteInput::Rigid { velocity } => SiteInput::Rigid { velocity: to(velocity) },
+            SiteInput::Hand(hand) => SiteInput::Hand(hand.map(to)),
         }
     }
 
     /// Joins one input per lane; `None` if the inputs are of different kinds or their number is not the number of
     /// lanes.
     #[inline(always)]
-    pub fn of_lanes<S: Scalar>(inputs: &[Input<S>]) -> Option<Self> {
+    pub fn of_lanes<S: Scalar>(inputs: &[SiteInput<S>]) -> Option<Self> {
         match inputs.first()? {
-            Input::Free => inputs.iter().all(|i| matches!(i, Input::Free)).then_some(Input::Free),
-            Input::Force(_) => {
-                each(inputs, |i| if let Input::Force(f) = i { Some([*f]) } else { None }).map(|[f]| Input::Force(f))
-            }
-            Input::Motion { .. } => each(inputs, |i| match i {
-                Input::Motion { position, velocity } => Some([*position, *velocity]),
+            SiteInput::Free => inputs.iter().all(|i| matches!(i, SiteInput::Free)).then_some(SiteInput::Free),
+            SiteInput::Force(_) => each(inputs, |i| if let SiteInput::Force(f) = i { Some([*f]) } else { None })
+                .map(|[f]| SiteInput::Force(f)),
+            SiteInput::Motion { .. } => each(inputs, |i| match i {
+                SiteInput::Motion { position, velocity } => Some([*position, *velocity]),
                 _ => None,
             })
-            .map(|[position, velocity]| Input::Motion { position, velocity }),
-            Input::Rigid { .. } => {
-                each(inputs, |i| if let Input::Rigid { velocity } = i { Some([*velocity]) } else { None })
-                    .map(|[velocity]| Input::Rigid { velocity })
+            .map(|[position, velocity]| SiteInput::Motion { position, velocity }),
+            SiteInput::Rigid { .. } => {
+                each(inputs, |i| if let SiteInput::Rigid { velocity } = i { Some([*velocity]) } else { None })
+                    .map(|[velocity]| SiteInput::Rigid { velocity })
             }
-            Input::Hand(_) => hands_of_lanes(inputs),
+            SiteInput::Hand(_) => hands_of_lanes(inputs),
         }
     }
 }
@@ -89,8 +90,8 @@ impl<T: Real> Input<T> {
 /// One lane's numbers each, where all inputs are of the kind that has them.
 #[inline(always)]
 fn each<S: Scalar, T: Real, const K: usize>(
-    inputs: &[Input<S>],
-    numbers: impl Fn(&Input<S>) -> Option<[S; K]>,
+    inputs: &[SiteInput<S>],
+    numbers: impl Fn(&SiteInput<S>) -> Option<[S; K]>,
 ) -> Option<[T; K]> {
     let all = inputs.len() == T::LANES && inputs.iter().all(|input| numbers(input).is_some());
     all.then(|| core::array::from_fn(|k| join(|lane| numbers(&inputs[lane]).unwrap_or([S::ZERO; K])[k])))
@@ -99,7 +100,7 @@ fn each<S: Scalar, T: Real, const K: usize>(
 /// A hand per lane. Out of line, so that nothing else pays for it.
 #[cold]
 #[inline(never)]
-fn hands_of_lanes<S: Scalar, T: Real>(inputs: &[Input<S>]) -> Option<Input<T>> {
-    let numbers = each(inputs, |i| if let Input::Hand(hand) = i { Some(hand.numbers()) } else { None });
-    numbers.map(|numbers| Input::Hand(Hand::of_numbers(numbers)))
+fn hands_of_lanes<S: Scalar, T: Real>(inputs: &[SiteInput<S>]) -> Option<SiteInput<T>> {
+    let numbers = each(inputs, |i| if let SiteInput::Hand(hand) = i { Some(hand.numbers()) } else { None });
+    numbers.map(|numbers| SiteInput::Hand(SiteHand::of_numbers(numbers)))
 }

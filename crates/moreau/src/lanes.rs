@@ -3,7 +3,7 @@
 
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Curvatures;
-use crate::description::{Curve, Site, Zone};
+use crate::description::{ContactCurve, Site, Zone};
 use crate::felt::Felt;
 use crate::model::{Dwelling, Model};
 use crate::real::{Real, Scalar, cast, join, join_all};
@@ -99,17 +99,19 @@ fn zone_of_lanes<'a, S: Scalar + 'a, T: Real>(zone: impl Fn(usize) -> &'a Zone<S
     let first = zone(0);
     // Numbers of a curve in a fixed order, whatever its kind.
     let numbers = |lane: usize| match zone(lane).curve {
-        Curve::Line { point, normal } => [point[0], point[1], normal[0], normal[1], S::ZERO, S::ZERO],
-        Curve::Segment { from, direction, length, rounding } => {
+        ContactCurve::Line { point, normal } => [point[0], point[1], normal[0], normal[1], S::ZERO, S::ZERO],
+        ContactCurve::Segment { from, direction, length, rounding } => {
             [from[0], from[1], direction[0], direction[1], length, rounding]
         }
-        Curve::Disc { center, radius } => [center[0], center[1], radius, S::ZERO, S::ZERO, S::ZERO],
+        ContactCurve::Disc { center, radius } => [center[0], center[1], radius, S::ZERO, S::ZERO, S::ZERO],
     };
     let [a, b, c, d, e, f]: [T; 6] = join_all(numbers);
     let curve = match first.curve {
-        Curve::Line { .. } => Curve::Line { point: [a, b], normal: [c, d] },
-        Curve::Segment { .. } => Curve::Segment { from: [a, b], direction: [c, d], length: e, rounding: f },
-        Curve::Disc { .. } => Curve::Disc { center: [a, b], radius: c },
+        ContactCurve::Line { .. } => ContactCurve::Line { point: [a, b], normal: [c, d] },
+        ContactCurve::Segment { .. } => {
+            ContactCurve::Segment { from: [a, b], direction: [c, d], length: e, rounding: f }
+        }
+        ContactCurve::Disc { .. } => ContactCurve::Disc { center: [a, b], radius: c },
     };
     Zone {
         disc_body: first.disc_body,

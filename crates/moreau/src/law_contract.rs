@@ -99,11 +99,11 @@ fn step<T: Scalar>(law: &FeltLaw<T>, timing: &Timing<T>, from: T, to: T, memory:
     let rate = (to - from) / timing.step;
     let middle = from + timing.h_theta * rate;
     if from.max(to) <= T::ZERO {
-        let (after, gained) = law.left_alone(timing, memory);
+        let (after, gained) = law.relax(timing, memory);
         return (T::ZERO, -gained, after);
     }
     let pressed = law.press_exactly(middle, rate, timing, true, memory);
-    let after = law.recall(middle, rate, timing, true, memory).unwrap_or([T::ZERO; MEMORY]);
+    let after = law.load_state(middle, rate, timing, true, memory).unwrap_or([T::ZERO; MEMORY]);
     let gained = law.gained(middle, rate, timing, true, memory);
     (pressed.force, pressed.damping_force * (to - from) - gained, after)
 }
@@ -214,8 +214,8 @@ impl<T: Scalar> Place<T> {
         self.law.press(self.compression, self.rate, &self.timing, true, &self.memory)
     }
 
-    fn bend(&self) -> Curvature<T> {
-        self.law.bend(self.compression, self.rate, &self.timing, true, &self.memory)
+    fn curvature(&self) -> Curvature<T> {
+        self.law.curvature(self.compression, self.rate, &self.timing, true, &self.memory)
     }
 }
 
@@ -321,7 +321,7 @@ fn no_force_bends_more_than_it_says<T: Scalar>(law: usize) {
         if matches!(place.felt.exponent, Exponent::Other(_)) {
             return;
         }
-        let (pressed, bend, double) = (place.pressed(), place.bend(), place.double());
+        let (pressed, bend, double) = (place.pressed(), place.curvature(), place.double());
         let Place { compression, rate, timing, .. } = &double;
         // A point that the clamp holds at zero counts as flat (`law/rate_part.rs`).
         let slack = bend.slack.to_f64();

@@ -1,6 +1,6 @@
 //! Set-valued part of a step: the active laws, and their forces and sides afterwards.
 
-use crate::input::Input;
+use crate::input::SiteInput;
 use crate::law::MEMORY;
 use crate::model::Model;
 use crate::osnsp::Solver;
@@ -46,7 +46,7 @@ pub(crate) fn warm_start_pivots<T: Real, const B: usize, const Z: usize, const N
 pub(crate) fn assemble_laws<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
-    input: &Input<T>,
+    input: &SiteInput<T>,
     state: &State<T, B, Z>,
     first: bool,
     w0: &[T; B],
@@ -135,7 +135,7 @@ pub(crate) fn assemble_laws<T: Real, const B: usize, const Z: usize, const N: us
     }
     let Workspace { drive, problem: Problem { system, impulses, guess, sources, .. }, forces, .. } = workspace;
     let n = system.count;
-    if let (Input::Rigid { velocity }, true, true) = (input, model.site.is_some(), n < N) {
+    if let (SiteInput::Rigid { velocity }, true, true) = (input, model.site.is_some(), n < N) {
         sources[n] = LawSource::Drive;
         let law = &mut system.sliding[n];
         model.site_support.spread(&drive.site_row, T::ONE, &mut law.row);

@@ -90,7 +90,7 @@ pub enum LossIn {
 pub struct Ledger {
     /// Stored energy at the start.
     pub start: Energies,
-    /// Stored energy at the last call of [`Ledger::take_stock`].
+    /// Stored energy at the last call of [`Ledger::update_energies`].
     pub now: Energies,
     /// Work of the drive, signed.
     pub drive_work: f64,
@@ -195,7 +195,7 @@ impl Ledger {
     }
 
     /// Evaluates the stored energy of a state. The residual refers to the last call.
-    pub fn take_stock<T: Scalar, const B: usize, const Z: usize>(
+    pub fn update_energies<T: Scalar, const B: usize, const Z: usize>(
         &mut self,
         model: &Model<T, B, Z>,
         state: &State<T, B, Z>,
@@ -282,7 +282,7 @@ fn each_loss_between<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     }
     let timing = Timing::new(settings.step, settings.theta);
     for &z in model.remembering_zones().iter().filter(|&&z| contacts[z].is_none()) {
-        let (_, gained) = model.compiled[z].felt.left_alone(&timing, &workspace.contacts.states[z].memory);
+        let (_, gained) = model.compiled[z].felt.relax(&timing, &workspace.contacts.states[z].memory);
         lose(LossIn::Felt(z), -gained.to_f64());
     }
 }

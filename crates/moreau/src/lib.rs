@@ -6,7 +6,7 @@
 //! it stays, for m g l sin a < c_d.
 //!
 //! ```
-//! use moreau::{Body, Description, Input, ModelError, Outcome, Settings, State, Workspace, step};
+//! use moreau::{Body, Description, SiteInput, ModelError, StepOutcome, Settings, State, Workspace, step};
 //!
 //! let (mass, length, dry) = (0.010, 0.112, 8e-4);
 //! let bob = Body { mass, center_of_mass: [0.0, -length], inertia: mass * length * length, dry, ..Body::inert() };
@@ -18,8 +18,8 @@
 //! let settings = Settings::new(1e-5);
 //! let mut state = State::at_rest([0.5]);
 //! for _ in 0..200_000 {
-//!     let report = step(&model, &settings, &Input::Free, &mut state, &mut workspace);
-//!     assert_eq!(report.outcome, Outcome::Converged);
+//!     let report = step(&model, &settings, &SiteInput::Free, &mut state, &mut workspace);
+//!     assert_eq!(report.outcome, StepOutcome::Converged);
 //! }
 //! // After 2 s it stands on the other side, and friction holds its weight. Not slowly: not at all.
 //! assert!((state.angle[0] + 0.055_977).abs() < 1e-5);
@@ -92,14 +92,16 @@ mod workspace;
 
 pub use adaptive::{Accuracy, ControlledStep, Controller, StepDoubling, controlled_step};
 pub use contact::Contact;
-pub use description::{Body, Curve, Description, Dwell, GROUND, ModelError, Part, Site, Spring, Yields, Zone};
+pub use description::{
+    Body, ContactCurve, Description, DescriptionPart, Dwell, GROUND, ModelError, Site, Spring, Yields, Zone,
+};
 pub use dual::Dual;
 pub use fault::Fault;
 pub use felt::{Felt, FeltKind};
-pub use hand::Hand;
+pub use hand::SiteHand;
 pub use hand_energy::HandEnergy;
 pub use impact::{ImpactPredictor, PointImpact, impact_in_flight};
-pub use input::{Input, RIGID_CORRECTION};
+pub use input::{RIGID_CORRECTION, SiteInput};
 pub use law::{
     Elastoplastic, Exponent, Hereditary, HuntCrossley, Iwan, LAW_NUMBERS, LAWS, LawNumber, Loss, MEMORY, Quadratic,
     Range, SetValued,
@@ -114,7 +116,7 @@ pub use saved::SavedState;
 pub use settings::{FrictionLaw, Settings};
 pub use sleep::Sleep;
 pub use state::State;
-pub use step::{LanesReport, Outcome, StepReport, step, step_lanes, step_out_of_line};
+pub use step::{LanesReport, StepOutcome, StepReport, step, step_lanes, step_out_of_line};
 pub use surface::{COUPLED, Surface};
 pub use tangent::{Driven, Switch, SwitchKind, Switched, SwitchingLaw, Tangent, TangentError, TangentReport};
 pub use tracking::{Clearance, TrackedPoint};

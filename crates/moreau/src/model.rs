@@ -2,7 +2,7 @@
 
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Curvatures;
-use crate::description::{Body, Description, Dwell, GROUND, ModelError, Part, Site, Spring, Zone};
+use crate::description::{Body, Description, DescriptionPart, Dwell, GROUND, ModelError, Site, Spring, Zone};
 use crate::real::{Real, Scalar};
 use crate::support::Support;
 use crate::tree::Tree;
@@ -221,8 +221,8 @@ impl<T: Scalar, const B: usize, const Z: usize> Model<T, B, Z> {
             let (gain, rate) = (dwell.ratio - T::ONE, T::ONE / dwell.time);
             let at = &mut self.dwelling;
             match dwell.part {
-                Part::Body(i) => (at.pivot_gain[i], at.pivot_rate[i]) = (gain, rate),
-                Part::Zone(z) => (at.zone_gain[z], at.zone_rate[z]) = (gain, rate),
+                DescriptionPart::Body(i) => (at.pivot_gain[i], at.pivot_rate[i]) = (gain, rate),
+                DescriptionPart::Zone(z) => (at.zone_gain[z], at.zone_rate[z]) = (gain, rate),
                 _ => continue,
             }
             at.count += 1;

@@ -3,7 +3,7 @@
 use crate::curvature::Margins;
 use crate::felt::ONSET;
 use crate::forces::drive_force;
-use crate::input::Input;
+use crate::input::SiteInput;
 use crate::laws::recall_memories;
 use crate::model::Model;
 use crate::real::Scalar;
@@ -21,7 +21,7 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Workspace<T, B, 
         &mut self,
         model: &Model<T, B, Z>,
         settings: &Settings<T>,
-        input: &Input<T>,
+        input: &SiteInput<T>,
         before: &State<T, B, Z>,
         after: &State<T, B, Z>,
     ) {
@@ -52,7 +52,7 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Workspace<T, B, 
         &mut self,
         model: &Model<T, B, Z>,
         timing: &Timing<T>,
-        input: &Input<T>,
+        input: &SiteInput<T>,
         [before, after]: [&State<T, B, Z>; 2],
     ) {
         let Workspace { kinematics, drive, .. } = self;
@@ -61,7 +61,7 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> Workspace<T, B, 
         kinematics.pose.turning_row(&model.site_support, x, site.direction, &mut drive.site_row);
         let driven = drive_force(model, input, &before.hand, timing, kinematics, drive);
         drive.force = match input {
-            Input::Rigid { .. } => after.rigid_force,
+            SiteInput::Rigid { .. } => after.rigid_force,
             _ => driven.map_or(T::ZERO, |(force, _)| force),
         };
     }

@@ -17,10 +17,10 @@ pub struct SavedState<T, const B: usize, const Z: usize> {
     pub pivot_friction: [T; B],
     /// Coulomb force of each zone over the last step, N, on the disc along the tangent.
     pub tangential: [T; Z],
-    /// Force of a prescribed motion ([`Input::Rigid`](crate::Input::Rigid)) over the last step, N.
+    /// Force of a prescribed motion ([`SiteInput::Rigid`](crate::SiteInput::Rigid)) over the last step, N.
     pub rigid_force: T,
-    /// World coordinate of the hand along the site's direction, m, and its velocity, m/s ([`Hand`](crate::Hand)). They
-    /// change only in steps driven by a hand.
+    /// World coordinate of the hand along the site's direction, m, and its velocity, m/s
+    /// ([`SiteHand`](crate::SiteHand)). They change only in steps driven by a hand.
     pub hand: [T; 2],
     /// Internal states of the felts, as their laws define them ([`Loss`](crate::Loss)). Unused places are zero.
     pub memory: [[T; MEMORY]; Z],

@@ -4,7 +4,7 @@
 //! with the same input: it would give the same report and the same workspace. Such steps are skipped. This is exact;
 //! there is no threshold and no drift. A mechanism falls asleep only if dry friction truly sticks.
 
-use crate::input::Input;
+use crate::input::SiteInput;
 use crate::model::Model;
 use crate::real::{Real, Scalar, same_bits};
 use crate::settings::Settings;
@@ -18,7 +18,7 @@ use crate::workspace::Workspace;
 /// [`Sleep::wake`]. Also call it before you read the [`Workspace`] if another state has used it.
 #[derive(Debug, Clone, Copy)]
 pub struct Sleep<T> {
-    under: Option<(Input<T>, StepReport)>,
+    under: Option<(SiteInput<T>, StepReport)>,
 }
 
 impl<T> Sleep<T> {
@@ -41,7 +41,7 @@ impl<T> Sleep<T> {
 impl<T: Scalar> Sleep<T> {
     /// Returns the report of a step with this input if the step is known to change nothing.
     #[inline(always)]
-    pub fn would_rest(&self, input: &Input<T>) -> Option<StepReport> {
+    pub fn would_rest(&self, input: &SiteInput<T>) -> Option<StepReport> {
         self.under.as_ref().and_then(|(last, report)| last.identical(input).then_some(*report))
     }
 
@@ -52,7 +52,7 @@ impl<T: Scalar> Sleep<T> {
         &mut self,
         before: Option<&State<T, B, Z>>,
         after: &State<T, B, Z>,
-        input: &Input<T>,
+        input: &SiteInput<T>,
         report: StepReport,
     ) {
         let same = before.is_some_and(|before| before.identical(after));
@@ -64,7 +64,7 @@ impl<T: Scalar> Sleep<T> {
         &mut self,
         model: &Model<T, B, Z>,
         settings: &Settings<T>,
-        input: &Input<T>,
+        input: &SiteInput<T>,
         state: &mut State<T, B, Z>,
         workspace: &mut Workspace<T, B, Z, N>,
     ) -> StepReport {

@@ -52,7 +52,7 @@
 use crate::acceptance::linearisation_holds;
 use crate::dry_felts;
 use crate::forces::{joint_momentum, linearise, move_hand, regularised_friction};
-use crate::input::Input;
+use crate::input::SiteInput;
 use crate::laws::{
     assemble_laws, keep_forces, keep_memories, recall_memories, store_forces, unsettled, warm_start_pivots,
 };
@@ -66,7 +66,7 @@ use crate::workspace::{Problem, Workspace};
 
 /// Outcome of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
+pub enum StepOutcome {
     /// The last Newton correction and the one-step problem met their tolerances.
     Converged,
     /// The iteration limit was reached; the state is the last (finite) iterate.
@@ -83,7 +83,7 @@ pub enum Outcome {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StepReport {
     /// Outcome of the step.
-    pub outcome: Outcome,
+    pub outcome: StepOutcome,
     /// Newton iterations.
     pub newton: u32,
     /// Solver iterations (sweeps or active sets), summed over the Newton iterations.
@@ -100,7 +100,7 @@ const PIANO: usize = 9;
 
 /// Advances `state` by one step h. Never allocates and never panics; the number of iterations is bounded.
 ///
-/// `input` acts during the step; [`Input`] states at which instant each of its numbers holds. `N` must be at least
+/// `input` acts during the step; [`SiteInput`] states at which instant each of its numbers holds. `N` must be at least
 /// [`Model::laws`].
 // Inlined where it is called, it takes a tenth fewer instructions: the caller's arrays have known places. The compiler
 // would decide that by size, and the step is near its limit.
@@ -108,18 +108,18 @@ const PIANO: usize = 9;
 pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
-    input: &Input<T>,
+    input: &SiteInput<T>,
     state: &mut State<T, B, Z>,
     workspace: &mut Workspace<T, B, Z, N>,
 ) -> StepReport {
     if N < model.laws {
-        return StepReport { outcome: Outcome::TooManyLaws, newton: 0, solver: 0 };
+        return StepReport { outcome: StepOutcome::TooManyLaws, newton: 0, solver: 0 };
     }
     let ended = step_lanes(model, settings, input, state, workspace);
     let outcome = match (ended.finite, ended.converged) {
-        (false, _) => Outcome::NonFinite,
-        (true, true) => Outcome::Converged,
-        (true, false) => Outcome::IterationLimit,
+        (false, _) => StepOutcome::NonFinite,
+        (true, true) => StepOutcome::Converged,
+        (true, false) => StepOutcome::IterationLimit,
     };
     StepReport { outcome, newton: ended.newton, solver: ended.solver }
 }
@@ -130,7 +130,7 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
 pub fn step_out_of_line<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
-    input: &Input<T>,
+    input: &SiteInput<T>,
     state: &mut State<T, B, Z>,
     workspace: &mut Workspace<T, B, Z, N>,
 ) -> StepReport {
@@ -140,9 +140,9 @@ pub fn step_out_of_line<T: Scalar, const B: usize, const Z: usize, const N: usiz
 /// Outcome of a step in every lane.
 #[derive(Debug, Clone, Copy)]
 pub struct LanesReport<M> {
-    /// Lanes with [`Outcome::Converged`].
+    /// Lanes with [`StepOutcome::Converged`].
     pub converged: M,
-    /// Lanes without [`Outcome::NonFinite`].
+    /// Lanes without [`StepOutcome::NonFinite`].
     pub finite: M,
     /// Newton iterations until the last lane ended.
     pub newton: u32,
@@ -158,7 +158,7 @@ pub struct LanesReport<M> {
 pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
-    input: &Input<T>,
+    input: &SiteInput<T>,
     state: &mut State<T, B, Z>,
     workspace: &mut Workspace<T, B, Z, N>,
 ) -> LanesReport<T::Mask> {
@@ -203,7 +203,7 @@ pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     if model.remembers {
         keep_memories(model, settings, done.not().and(report.finite), &w, state, workspace);
     }
-    if let Input::Hand(hand) = input {
+    if let SiteInput::Hand(hand) = input {
         let timing = Timing::new(settings.step, settings.theta);
         move_hand(&timing, hand, done.not().and(report.finite), &state.hand, &mut workspace.drive);
         for (place, end) in state.hand.iter_mut().zip(&workspace.drive.hand) {
@@ -231,7 +231,7 @@ struct Iterate<T: Real, const B: usize> {
 fn further_iterations<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
-    input: &Input<T>,
+    input: &SiteInput<T>,
     state: &mut State<T, B, Z>,
     workspace: &mut Workspace<T, B, Z, N>,
     w0: [T; B],
@@ -248,7 +248,7 @@ fn further_iterations<T: Real, const B: usize, const Z: usize, const N: usize>(
 fn iterate_to_the_end<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
-    input: &Input<T>,
+    input: &SiteInput<T>,
     state: &mut State<T, B, Z>,
     workspace: &mut Workspace<T, B, Z, N>,
     w0: &[T; B],
@@ -286,7 +286,7 @@ enum Next {
 fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
-    input: &Input<T>,
+    input: &SiteInput<T>,
     state: &mut State<T, B, Z>,
     workspace: &mut Workspace<T, B, Z, N>,
     w0: &[T; B],
@@ -345,7 +345,7 @@ fn iterate<T: Real, const B: usize, const Z: usize, const N: usize>(
         if model.remembers {
             keep_memories(model, settings, settled, &next, state, workspace);
         }
-        if let Input::Hand(hand) = input {
+        if let SiteInput::Hand(hand) = input {
             move_hand(&timing, hand, settled, &state.hand, &mut workspace.drive);
         }
     }

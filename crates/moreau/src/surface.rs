@@ -9,7 +9,7 @@ use crate::real::{Mask, Real};
 
 /// Most iterations of the scalar equation. Newton's method takes four or five, and is given up after ten, for across a
 /// kink it may go to and fro; bisection then halves the bracket.
-const MOST: u32 = 64;
+const MAX_ROUNDS: u32 = 64;
 const NEWTON: u32 = 10;
 
 /// Largest number of zones whose surfaces may be coupled within a step.
@@ -96,7 +96,7 @@ pub(crate) fn solve<T: Real>(touched: T::Mask, press: impl Fn(T) -> [T; 2]) -> T
     let (zero, half) = (T::ZERO, T::from_f64(0.5));
     let (mut low, mut high, mut force) = (zero, T::from_f64(1e30), zero);
     let mut open = touched;
-    for n in 0..MOST {
+    for n in 0..MAX_ROUNDS {
         let [found, slope] = press(force);
         let excess = found - force;
         low = T::select(zero.lt(excess), force, low);

@@ -163,7 +163,7 @@ fn denormals() {
         let mut native =
             erard::Action::new(&Instrument::builtin("concert-grand").expect("built in")).expect("it rests");
         // Steps that change nothing are taken all the same: that is where small numbers would be.
-        native.let_rest(false);
+        native.set_sleep(false);
         set_flush(flush);
         let (mut denormal, mut small, mut slow_us) = (0_u64, f64::INFINITY, 0.0_f64);
         for round in 0..20 {

@@ -12,7 +12,7 @@
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use erard::{Action, Input, Instrument, Outcome, Reading};
+use erard::{Action, Input, Instrument, Reading, StepOutcome};
 use erard_bench::callgrind::{CountError, instructions, is_available};
 use erard_bench::{Load, MF_N, STEP_S, STEPS, WIDEST, described, grand, group, instrument, note};
 use moreau::{Settings, step};
@@ -89,7 +89,7 @@ fn bare_note(steps: u64) -> f64 {
     let (settings, mut workspace) = (Settings::new(STEP_S), WorkspaceOfSix::new());
     for n in 0..steps {
         let report = step(&model, &settings, &note(n), &mut state, &mut workspace);
-        assert_ne!(report.outcome, Outcome::NonFinite);
+        assert_ne!(report.outcome, StepOutcome::NonFinite);
     }
     state.angle.iter().sum()
 }
@@ -97,7 +97,7 @@ fn bare_note(steps: u64) -> f64 {
 /// The note, stepped from outside: every field of every reading is read, impacts among them, and every step is taken.
 fn action_note(instrument: &Instrument, steps: u64) -> f64 {
     let mut action = Action::new(instrument).expect("it comes to rest");
-    action.let_rest(false);
+    action.set_sleep(false);
     let mut sum = 0.0;
     for n in 0..steps {
         let force_n = if n < STEPS / 2 { MF_N } else { 0.0 };
@@ -112,7 +112,7 @@ fn action_note(instrument: &Instrument, steps: u64) -> f64 {
             outcome,
             ..
         } = action.step(Input::Force(force_n));
-        assert_eq!(outcome, Outcome::Converged);
+        assert_eq!(outcome, StepOutcome::Converged);
         sum += key_m + key_m_per_s + finger_force_n + hammer_rise_m + hammer_rise_m_per_s + string_n;
         sum += impact.map_or(0.0, |impact| impact.time_s + impact.hammer_speed_m_per_s);
     }
@@ -124,7 +124,7 @@ fn lanes_note(instrument: &Instrument, steps: u64) {
     let rest = described(instrument).expect("it comes to rest");
     let mut group = group(&[&rest; 4], &Settings::new(STEP_S), Lanes::Four);
     assert_eq!(group.lanes(), Lanes::Four);
-    let mut outcomes = [Outcome::Converged; 4];
+    let mut outcomes = [StepOutcome::Converged; 4];
     for n in 0..steps {
         group.step(&[note(n); 4], &mut outcomes);
     }

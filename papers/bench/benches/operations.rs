@@ -11,7 +11,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use erard::assembly;
 use erard_bench::{STEP_S, STEPS, grand, instrument, note};
-use moreau::{Input, Model, Real, Scalar, Settings, State, Workspace, step};
+use moreau::{Model, Real, Scalar, Settings, SiteInput, State, Workspace, step};
 
 /// The kinds that are counted.
 const KINDS: [&str; 7] =
@@ -168,9 +168,9 @@ fn main() {
     // At rest, in motion: steps and counts.
     let mut found = [(0_u64, [0_u64; KINDS.len()]); 2];
     for n in 0..STEPS {
-        let Input::Force(force) = note(n) else { unreachable!("the note is a force") };
+        let SiteInput::Force(force) = note(n) else { unreachable!("the note is a force") };
         COUNTS.with(|counts| counts.set([0; KINDS.len()]));
-        step(&model, &settings, &Input::Force(Counted(force)), &mut state, &mut workspace);
+        step(&model, &settings, &SiteInput::Force(Counted(force)), &mut state, &mut workspace);
         let counts = COUNTS.with(Cell::get);
         let moves = state.velocity.iter().any(|v| v.0 != 0.0);
         let (steps, sums) = &mut found[usize::from(moves)];

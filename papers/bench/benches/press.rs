@@ -34,7 +34,7 @@ fn action(bencher: Bencher) {
     let grand = Action::new(&instrument()).expect("it comes to rest");
     let rest = grand.save();
     let mut grand = grand;
-    grand.let_rest(false);
+    grand.set_sleep(false);
     bencher.bench_local(|| {
         grand.restore(&rest).expect("its own");
         for n in 0..STEPS {

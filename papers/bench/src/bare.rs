@@ -9,7 +9,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use moreau::{Input, Outcome, Settings};
+use moreau::{Settings, SiteInput, StepOutcome};
 use moreau_kernels::{Lanes, SideBySide};
 use serde_json::{Value, json};
 
@@ -55,7 +55,7 @@ impl OverBare {
         let setup = Setup { settings: Settings::new(STEP_S), ledger: true, ..Setup::new(steps as f64 * STEP_S) };
         let released_s = STEPS as f64 * 0.5 * STEP_S;
         let drive = |t: f64| erard::player::Input::Force(if t < released_s { MF_N } else { 0.0 });
-        let alone = |go: fn(&mut dyn SideBySide, Input<f64>)| {
+        let alone = |go: fn(&mut dyn SideBySide, SiteInput<f64>)| {
             let mut alone = group(&[&rest], &setup.settings, Lanes::One);
             (0..steps).for_each(|n| go(alone.as_mut(), note(n)));
             black_box(alone.state(0));
@@ -95,8 +95,8 @@ impl OverBare {
             .iter()
             .map(|key| group(&[&described(key).expect("it comes to rest")], &settings, Lanes::One))
             .collect();
-        let mut inputs: Vec<Vec<Input<f64>>> = vec![Vec::new(); alone.len()];
-        let mut last = vec![Input::Free; alone.len()];
+        let mut inputs: Vec<Vec<SiteInput<f64>>> = vec![Vec::new(); alone.len()];
+        let mut last = vec![SiteInput::Free; alone.len()];
         let (mut bare, mut whole, mut steps) = (Vec::new(), Vec::new(), 0);
         for round in 0..=rounds {
             if !progress(round as f64 / (rounds + 1) as f64) {
@@ -104,7 +104,7 @@ impl OverBare {
             }
             inputs.iter_mut().for_each(Vec::clear);
             for _ in 0..ticks {
-                asked.drive(&mut |key, force_n| last[key - 1] = Input::Force(force_n));
+                asked.drive(&mut |key, force_n| last[key - 1] = SiteInput::Force(force_n));
                 let awake = (0..inputs.len()).filter(|index| asked.keys().is_awake(index + 1));
                 awake.for_each(|index| inputs[index].push(last[index]));
                 asked.keys_mut().step();
@@ -151,15 +151,15 @@ pub(crate) fn measure(keys: &[Instrument], effort: &Effort, progress: &mut Progr
 }
 
 /// One bare step.
-fn step(alone: &mut dyn SideBySide, input: Input<f64>) {
-    let mut outcome = [Outcome::Converged];
+fn step(alone: &mut dyn SideBySide, input: SiteInput<f64>) {
+    let mut outcome = [StepOutcome::Converged];
     alone.step(&[input], &mut outcome);
-    assert_ne!(outcome, [Outcome::NonFinite]);
+    assert_ne!(outcome, [StepOutcome::NonFinite]);
 }
 
 /// One bare step, unless it would change nothing.
-fn step_or_rest(alone: &mut dyn SideBySide, input: Input<f64>) {
-    let mut outcome = [Outcome::Converged];
+fn step_or_rest(alone: &mut dyn SideBySide, input: SiteInput<f64>) {
+    let mut outcome = [StepOutcome::Converged];
     alone.step_or_rest(&[input], &mut outcome);
-    assert_ne!(outcome, [Outcome::NonFinite]);
+    assert_ne!(outcome, [StepOutcome::NonFinite]);
 }

@@ -1,6 +1,6 @@
 //! The subjects of the timing: the concert grand in the engine's own types, and one played note.
 
-use moreau::{Input, Model, Outcome, SavedState, Settings, State, step};
+use moreau::{Model, SavedState, Settings, SiteInput, State, StepOutcome, step};
 use moreau_kernels::{Lanes, OwnedDescription, SideBySide, WorkspaceOfSix, side_by_side};
 
 use erard::assembly;
@@ -63,8 +63,8 @@ pub fn grand() -> (GrandModel, GrandState) {
 
 /// The force on the key at a step: a mezzo forte for half a second, then nothing.
 #[inline(always)]
-pub fn note(n: u64) -> Input<f64> {
-    Input::Force(if n < STEPS / 2 { MF_N } else { 0.0 })
+pub fn note(n: u64) -> SiteInput<f64> {
+    SiteInput::Force(if n < STEPS / 2 { MF_N } else { 0.0 })
 }
 
 /// Plays the first `steps` steps of the note.
@@ -85,12 +85,12 @@ pub fn press((model, state): &(GrandModel, GrandState), settings: &Settings<f64>
 pub(crate) fn steps_of_six(
     model: &GrandModel,
     settings: &Settings<f64>,
-    inputs: &mut dyn Iterator<Item = Input<f64>>,
+    inputs: &mut dyn Iterator<Item = SiteInput<f64>>,
     state: &mut GrandState,
     workspace: &mut WorkspaceOfSix,
 ) -> bool {
     for input in inputs {
-        if step(model, settings, &input, state, workspace).outcome == Outcome::NonFinite {
+        if step(model, settings, &input, state, workspace).outcome == StepOutcome::NonFinite {
             return false;
         }
     }

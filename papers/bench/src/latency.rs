@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use fastrand::Rng;
-use moreau::{Input, Outcome, Settings};
+use moreau::{Settings, SiteInput, StepOutcome};
 use moreau_kernels::Lanes;
 use serde_json::{Value, json};
 
@@ -64,14 +64,14 @@ impl RandomPlayer {
         RandomPlayer { random: Rng::with_seed(seed), force_n: 0.0, left: 0 }
     }
 
-    fn next(&mut self) -> Input<f64> {
+    fn next(&mut self) -> SiteInput<f64> {
         if self.left == 0 {
             let random = &mut self.random;
             self.force_n = if self.force_n > 0.0 { 0.0 } else { 0.5 + 39.5 * random.f64() * random.f64() };
             self.left = 200 + (3800.0 * random.f64()) as u32;
         }
         self.left -= 1;
-        Input::Force(self.force_n)
+        SiteInput::Force(self.force_n)
     }
 }
 
@@ -150,8 +150,8 @@ pub fn of_steps(steps: u64, progress: &mut Progress<'_>) -> Option<Latency> {
         let start = Instant::now();
         let report = grand.step(&input).report;
         histogram.add(start.elapsed().as_nanos() as u64);
-        assert_ne!(report.outcome, Outcome::NonFinite);
-        unconverged += u64::from(report.outcome == Outcome::IterationLimit);
+        assert_ne!(report.outcome, StepOutcome::NonFinite);
+        unconverged += u64::from(report.outcome == StepOutcome::IterationLimit);
         newton = newton.max(report.newton);
         sets = sets.max(report.solver);
     }
@@ -173,7 +173,7 @@ pub fn of_group_steps(steps: u64, lanes: Lanes, progress: &mut Progress<'_>) -> 
     let mut group = group(&vec![&rest; count], &Settings::new(STEP_S), lanes);
     let mut players: Vec<RandomPlayer> =
         (0..count).map(|i| RandomPlayer::new(SEED.wrapping_mul(2 * i as u64 + 1))).collect();
-    let (mut inputs, mut outcomes) = (vec![Input::Free; count], vec![Outcome::Converged; count]);
+    let (mut inputs, mut outcomes) = (vec![SiteInput::Free; count], vec![StepOutcome::Converged; count]);
     let (mut histogram, mut unconverged) = (Histogram::new(), 0);
     for n in 0..steps {
         if n % ASK_EVERY == 0 && !progress(n as f64 / steps as f64) {
@@ -185,8 +185,8 @@ pub fn of_group_steps(steps: u64, lanes: Lanes, progress: &mut Progress<'_>) -> 
         let start = Instant::now();
         group.step(&inputs, &mut outcomes);
         histogram.add(start.elapsed().as_nanos() as u64);
-        assert!(!outcomes.contains(&Outcome::NonFinite));
-        unconverged += u64::from(outcomes.contains(&Outcome::IterationLimit));
+        assert!(!outcomes.contains(&StepOutcome::NonFinite));
+        unconverged += u64::from(outcomes.contains(&StepOutcome::IterationLimit));
     }
     Some(Latency { unconverged_steps: unconverged, ..histogram.latency() })
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use moreau::{Input, Outcome, Settings, State};
+use moreau::{Settings, SiteInput, State, StepOutcome};
 use moreau_kernels::{Lanes, OwnedDescription, WorkspaceOfSix};
 
 use super::grand::{GrandModel, MF_N, STEP_S, STEPS, described, group, instrument, steps_of_six};
@@ -25,10 +25,10 @@ struct Cursor(usize);
 
 impl Cursor {
     #[inline(always)]
-    fn next(&mut self, forces_n: &[f64]) -> Input<f64> {
+    fn next(&mut self, forces_n: &[f64]) -> SiteInput<f64> {
         let force = forces_n[self.0];
         self.0 = if self.0 + 1 == forces_n.len() { 0 } else { self.0 + 1 };
-        Input::Force(force)
+        SiteInput::Force(force)
     }
 }
 
@@ -138,7 +138,7 @@ impl Load {
         for first in (g * WIDEST..(g + 1) * WIDEST).step_by(width) {
             let grands: Vec<&OwnedDescription> = self.grands[first..first + width].iter().collect();
             let mut group = group(&grands, &self.settings, lanes);
-            let (mut inputs, mut outcomes) = ([Input::Free; WIDEST], [Outcome::Converged; WIDEST]);
+            let (mut inputs, mut outcomes) = ([SiteInput::Free; WIDEST], [StepOutcome::Converged; WIDEST]);
             let mut cursors: [Cursor; WIDEST] =
                 core::array::from_fn(|i| Cursor(self.begins.get(first + i).copied().unwrap_or(0)));
             for _ in 0..self.steps {
@@ -146,7 +146,7 @@ impl Load {
                     *input = cursor.next(&self.forces_n);
                 }
                 group.step(&inputs[..width], &mut outcomes[..width]);
-                assert!(outcomes[..width].iter().all(|&outcome| outcome != Outcome::NonFinite));
+                assert!(outcomes[..width].iter().all(|&outcome| outcome != StepOutcome::NonFinite));
             }
             let (mut angles, mut velocities) = ([0.0; 12], [0.0; 12]);
             for i in 0..width {

@@ -1,6 +1,6 @@
 //! Problem 15: problems 2 and 6 again, with adaptive steps.
 
-use moreau::{Accuracy, Controller, Input, Loss, Outcome, State, StepDoubling, controlled_step};
+use moreau::{Accuracy, Controller, Loss, SiteInput, State, StepDoubling, StepOutcome, controlled_step};
 
 use crate::felt;
 use crate::hinge;
@@ -30,9 +30,9 @@ impl<const B: usize, const Z: usize, const N: usize> Controlled<B, Z, N> {
         let Controlled { m, accuracy, controller, halves, inner } = self;
         while m.time < end && m.sound {
             let left = end - m.time;
-            let free = |_: f64, _: f64, _: &State<f64, B, Z>| Input::Free;
+            let free = |_: f64, _: f64, _: &State<f64, B, Z>| SiteInput::Free;
             let did = controlled_step(&m.model, &m.settings, accuracy, controller, left, free, &mut m.state, halves);
-            m.sound &= did.outcome == Outcome::Converged && did.error <= 1.0;
+            m.sound &= did.outcome == StepOutcome::Converged && did.error <= 1.0;
             *inner += did.inner;
             m.time = if did.step < left { m.time + did.step } else { end };
         }

@@ -1,6 +1,8 @@
 //! Problems 23, 24 and 27: felts with a rate-independent loss. A mass of 10 g thrown at a felt, and one resting on it.
 
-use moreau::{Body, Curve, Description, Elastoplastic, Exponent, Felt, GROUND, Iwan, Loss, SetValued, Settings, Zone};
+use moreau::{
+    Body, ContactCurve, Description, Elastoplastic, Exponent, Felt, GROUND, Iwan, Loss, SetValued, Settings, Zone,
+};
 
 use crate::felt::{ARM, MASS, throw_at, throw_from};
 use crate::mechanism::Mechanism;
@@ -137,7 +139,7 @@ fn standing(loss: Loss<f64>, push: f64) -> (Mechanism<1, 1, 2>, f64) {
         center: [ARM, 0.0],
         radius: 0.0,
         curve_body: GROUND,
-        curve: Curve::Line { point: [0.0, depth], normal: [0.0, 1.0] },
+        curve: ContactCurve::Line { point: [0.0, depth], normal: [0.0, 1.0] },
         felt: Felt { stiffness: k, exponent: Exponent::new(2.0), loss },
         friction: None,
     };

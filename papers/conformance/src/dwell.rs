@@ -4,8 +4,8 @@
 //! of t it holds c (1 + 0.5 (1 - exp(-t/tau))). The contact's friction has the same moment.
 
 use moreau::{
-    Body, Curve, Description, Dwell, Exponent, Felt, GROUND, Input, Loss, Outcome, Part, Settings, Site, State,
-    Workspace, Zone, step,
+    Body, ContactCurve, Description, DescriptionPart, Dwell, Exponent, Felt, GROUND, Loss, Settings, Site, SiteInput,
+    State, StepOutcome, Workspace, Zone, step,
 };
 
 use moreau_rigid::problems::{Expected, Row};
@@ -34,12 +34,12 @@ fn loaded(at: At, duration: f64, load: impl Fn(f64) -> f64) -> [f64; 2] {
         center: [0.0, -1.0],
         radius: 0.0,
         curve_body: GROUND,
-        curve: Curve::Line { point: [0.0, -0.999], normal: [0.0, 1.0] },
+        curve: ContactCurve::Line { point: [0.0, -0.999], normal: [0.0, 1.0] },
         felt: Felt { stiffness: 1e6, exponent: Exponent::new(2.0), loss: Loss::quadratic(0.0) },
         // It slides on the floor, 999 mm below the pivot.
         friction: Some(KINETIC / 0.999),
     };
-    let part = if matches!(at, At::Pivot) { Part::Body(0) } else { Part::Zone(0) };
+    let part = if matches!(at, At::Pivot) { DescriptionPart::Body(0) } else { DescriptionPart::Zone(0) };
     let zones: &[Zone<f64>] = if matches!(at, At::Pivot) { &[] } else { &[zone] };
     let site = Site { body: 0, point: [1.0, 0.0], direction: [0.0, 1.0], stiffness: 0.0, damping: 0.0 };
     let dwells = [Dwell { part, ratio: RATIO, time: TAU }];
@@ -50,8 +50,8 @@ fn loaded(at: At, duration: f64, load: impl Fn(f64) -> f64) -> [f64; 2] {
     let (mut workspace, mut moved, mut sound) = (Workspace::<f64, 1, 1, 3>::new(), f64::INFINITY, true);
     for n in 0..(duration / H).round() as u32 {
         let middle = (f64::from(n) + 0.5) * H;
-        let report = step(&model, &settings, &Input::Force(load(middle)), &mut state, &mut workspace);
-        sound &= report.outcome == Outcome::Converged;
+        let report = step(&model, &settings, &SiteInput::Force(load(middle)), &mut state, &mut workspace);
+        sound &= report.outcome == StepOutcome::Converged;
         if state.angle[0].abs() > 1e-12 {
             moved = moved.min(f64::from(n) * H);
         }

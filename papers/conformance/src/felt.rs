@@ -1,6 +1,6 @@
 //! Problems 5, 6 and 22: a mass of 10 g thrown at a felt at 1 m/s.
 
-use moreau::{Body, Curve, Description, Exponent, Felt, GROUND, Ledger, Loss, Pose, Settings, Zone};
+use moreau::{Body, ContactCurve, Description, Exponent, Felt, GROUND, Ledger, Loss, Pose, Settings, Zone};
 
 use crate::mechanism::Mechanism;
 use moreau_rigid::problems::{Order, Row};
@@ -35,7 +35,7 @@ fn thrown_at(speed: f64, k: f64, r: f64, loss: Loss<f64>, h: f64, ahead: f64) ->
         center: [0.0, -ARM],
         radius: 0.0,
         curve_body: GROUND,
-        curve: Curve::Line { point: [ahead, 0.0], normal: [-1.0, 0.0] },
+        curve: ContactCurve::Line { point: [ahead, 0.0], normal: [-1.0, 0.0] },
         felt,
         friction: None,
     };
@@ -81,7 +81,7 @@ pub(crate) fn throw_from(ahead: f64, speed: f64, k: f64, r: f64, loss: Loss<f64>
         }
         pressed = next;
     }
-    ledger.take_stock(&m.model, &m.state);
+    ledger.update_energies(&m.model, &m.state);
     Throw {
         compression,
         contact_time: m.value(part.zip(touch).map_or(f64::NAN, |(part, touch)| part - touch)),

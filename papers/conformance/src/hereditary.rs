@@ -7,8 +7,8 @@
 use std::f64::consts::PI;
 
 use moreau::{
-    Body, Curve, Description, Energies, Exponent, Felt, GROUND, Hereditary, Input, Ledger, Loss, Outcome, Settings,
-    Site, State, Workspace, Zone, step,
+    Body, ContactCurve, Description, Energies, Exponent, Felt, GROUND, Hereditary, Ledger, Loss, Settings, Site,
+    SiteInput, State, StepOutcome, Workspace, Zone, step,
 };
 
 use crate::felt::{ARM, throw_at};
@@ -30,7 +30,7 @@ fn driven(r: f64, period: f64, periods: u32, h: f64, path: impl Fn(f64) -> f64) 
         center: [0.0, -ARM],
         radius: 0.0,
         curve_body: GROUND,
-        curve: Curve::Line { point: [0.0, 0.0], normal: [-1.0, 0.0] },
+        curve: ContactCurve::Line { point: [0.0, 0.0], normal: [-1.0, 0.0] },
         felt: Felt { stiffness: K, exponent: Exponent::new(r), loss },
         friction: None,
     };
@@ -52,11 +52,11 @@ fn driven(r: f64, period: f64, periods: u32, h: f64, path: impl Fn(f64) -> f64) 
         let next = path(f64::from(n + 1) * h);
         velocity = 2.0 * (next - position) / h - velocity;
         position = next;
-        let report = step(&model, &settings, &Input::Rigid { velocity }, &mut state, &mut workspace);
-        sound &= report.outcome == Outcome::Converged;
+        let report = step(&model, &settings, &SiteInput::Rigid { velocity }, &mut state, &mut workspace);
+        sound &= report.outcome == StepOutcome::Converged;
         ledger.record(&model, &settings, &before, &state, &workspace);
     }
-    ledger.take_stock(&model, &state);
+    ledger.update_energies(&model, &state);
     let kinetic = |e: &Energies| e.kinetic;
     let work = ledger.drive_work - (kinetic(&ledger.now) - kinetic(&ledger.start));
     if sound { [work, ledger.residual().abs() / work.abs()] } else { [f64::NAN; 2] }

@@ -1,6 +1,6 @@
 //! Runs of a tree of hinged bodies.
 
-use moreau::{Body, Input, Model, Outcome, Settings, State, Workspace, step};
+use moreau::{Body, Model, Settings, SiteInput, State, StepOutcome, Workspace, step};
 
 /// A model with its state and settings.
 pub(crate) struct Mechanism<const B: usize, const Z: usize, const N: usize> {
@@ -21,8 +21,8 @@ impl<const B: usize, const Z: usize, const N: usize> Mechanism<B, Z, N> {
     }
 
     pub(crate) fn step(&mut self) {
-        let report = step(&self.model, &self.settings, &Input::Free, &mut self.state, &mut self.workspace);
-        self.sound &= report.outcome == Outcome::Converged;
+        let report = step(&self.model, &self.settings, &SiteInput::Free, &mut self.state, &mut self.workspace);
+        self.sound &= report.outcome == StepOutcome::Converged;
         self.time += self.settings.step;
     }
 

@@ -4,8 +4,8 @@ import { READING_BYTES, STEP_S } from "./played";
 import type { FromKeys, Scene, ToKeys } from "./protocol";
 
 /** Never more than this at once, s; and a page that asks for nothing for so long was not looked at. */
-const LONGEST_S = 0.1, AWAY_S = 0.5;
-const MOST_IMPACTS = 256;
+const MAX_ADVANCE_S = 0.1, AWAY_S = 0.5;
+const MAX_IMPACTS = 256;
 const IMPACT_BYTES = 24;
 /** Bytes of ErardInput: its size, its kind and six doubles. */
 const INPUT_BYTES = 56;
@@ -34,7 +34,7 @@ const open = async (module: WebAssembly.Module, called: string): Promise<void> =
   keyboard = library.made(library.given(name, (at) => raw.erard_keyboard_builtin(at, STEP_S, 0)));
   keys = raw.erard_keyboard_key_count(keyboard);
   input = library.struct(INPUT_BYTES);
-  impacts = library.struct(IMPACT_BYTES, MOST_IMPACTS);
+  impacts = library.struct(IMPACT_BYTES, MAX_IMPACTS);
   count = raw.erard_memory_new(8);
   reading = library.struct(READING_BYTES);
   bridge = raw.erard_memory_new(8);
@@ -73,8 +73,8 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
   const passed_s = last_ms === null ? 0 : Math.max(wall_ms - last_ms, 0) / 1e3;
   owed_s += passed_s;
   // A page that was away is not late.
-  if (passed_s < AWAY_S) late_s += Math.max(owed_s - LONGEST_S, 0);
-  owed_s = Math.min(owed_s, LONGEST_S);
+  if (passed_s < AWAY_S) late_s += Math.max(owed_s - MAX_ADVANCE_S, 0);
+  owed_s = Math.min(owed_s, MAX_ADVANCE_S);
   last_ms = wall_ms;
   const steps = Math.floor(owed_s / STEP_S + 1e-6);
   owed_s = Math.max(owed_s - steps * STEP_S, 0);
@@ -87,8 +87,8 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
   for (let done = 0; done < steps; ) {
     const some = sounds ? 1 : to_m === null ? steps : Math.min(STRIDE, steps - done);
     if (shown && to_m !== null && from_m !== null) drive(shown.key, MOTION, 0, from_m + velocity * (done + 0.5 * some) * STEP_S, velocity);
-    check(raw.erard_keyboard_step(keyboard, some, impacts, MOST_IMPACTS, count));
-    const many = Math.min(library.u32(count, 1)[0]!, MOST_IMPACTS);
+    check(raw.erard_keyboard_step(keyboard, some, impacts, MAX_IMPACTS, count));
+    const many = Math.min(library.u32(count, 1)[0]!, MAX_IMPACTS);
     for (let n = 0; n < many; n++) {
       const at = impacts + IMPACT_BYTES * n;
       struck.push({ key: library.u32(at + 4, 1)[0]!, hammer_speed_m_per_s: library.f64(at + 16, 1)[0]! });

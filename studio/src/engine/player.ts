@@ -7,7 +7,7 @@ import type { Impact, Scene, Slow, Stroke, Touch } from "./protocol";
 import type { Ring } from "./ring";
 
 /** A page that was away wakes up late: never more than this at once, s. */
-const LONGEST_S = 0.1;
+const MAX_ADVANCE_S = 0.1;
 /** A force grows and fades over this time, s: what a finger that is already on the key takes. */
 const RAMP_S = 0.012;
 /** How much a fingertip may move at most, m/s: pointers jump. */
@@ -122,7 +122,7 @@ export class Player {
    * hand is slow, too: it keeps the speed that it had in real time. */
   advance(seconds: number, touch: Touch, pace = 1, slow: readonly Slow[] = []): void {
     this.pace = this.paceNow(pace, slow);
-    this.owed_s = Math.min(this.owed_s + Math.max(seconds, 0), LONGEST_S);
+    this.owed_s = Math.min(this.owed_s + Math.max(seconds, 0), MAX_ADVANCE_S);
     const to = touch.kind === "finger" ? touch.position_m : null;
     const presses = to !== null || (touch.kind === "force" && touch.force_n > 0);
     // A finger ends a stroke that is still played, and begins a press of its own.

@@ -13,7 +13,7 @@ const COMPRESSORS: Compressors = {
 const READ = ["UNCOMPRESSED", "SNAPPY", ...Object.keys(COMPRESSORS)];
 const NUMBERS = ["DOUBLE", "FLOAT", "INT32", "INT64"];
 /** Most rows of a recording, and most bytes of a column once it is unpacked. */
-const MOST_ROWS = 5_000_000, MOST_BYTES = 1 << 28;
+const MAX_ROWS = 5_000_000, MAX_BYTES = 1 << 28;
 
 export interface Column {
   index: number;
@@ -34,7 +34,7 @@ export const tableOf = async (file: ArrayBuffer, choose: (titles: string[]) => P
     throw unreadable(error);
   }
   const rows = Number(metadata.num_rows);
-  if (rows > MOST_ROWS) throw new Error(`too many rows: ${rows}; expected at most ${MOST_ROWS}: cut the recording or sample it more coarsely`);
+  if (rows > MAX_ROWS) throw new Error(`too many rows: ${rows}; expected at most ${MAX_ROWS}: cut the recording or sample it more coarsely`);
   const leaves = parquetSchema(metadata).children;
   const columns = await choose(leaves.map(({ element }) => element.name));
   for (const { index, title } of columns) {
@@ -44,7 +44,7 @@ export const tableOf = async (file: ArrayBuffer, choose: (titles: string[]) => P
     for (const group of metadata.row_groups) {
       const chunk = group.columns.find(({ meta_data }) => meta_data?.path_in_schema.join(".") === element.name)?.meta_data;
       if (chunk && !READ.includes(chunk.codec)) throw new Error(`${title}: its compression ${chunk.codec} is not read; expected one of ${READ.join(", ")}`);
-      if (chunk && Number(chunk.total_uncompressed_size) > MOST_BYTES) throw new Error(`${title}: larger than ${MOST_BYTES >> 20} MiB`);
+      if (chunk && Number(chunk.total_uncompressed_size) > MAX_BYTES) throw new Error(`${title}: larger than ${MAX_BYTES >> 20} MiB`);
     }
   }
   const names = columns.map(({ index }) => leaves[index]!.element.name);

@@ -2,7 +2,7 @@
 // the page.
 import type { App } from "./app";
 import { fixed, h, say } from "./dom";
-import { MOST_PEDAL_MM } from "./state";
+import { MAX_PEDAL_MM } from "./state";
 
 /** A pedal that is down, mm of its rail: dampers are clear of the strings. */
 export const PEDAL_MM = 7;
@@ -29,7 +29,7 @@ export const playPanel = (app: App, into: HTMLElement): void => {
   const force = decades("force of a pressed key", "N", 0.5, 30, 1, () => app.state.force, (value) => void app.change({ force: value }));
   const imposed = h("input", { type: "checkbox", id: "imposed" });
   imposed.addEventListener("change", () => void app.change({ imposed: imposed.checked }));
-  const pedalled = h("output"), pedal = h("input", { type: "range", min: 0, max: MOST_PEDAL_MM, step: 0.05, id: "pedal", "aria-label": "sustain pedal, lift of its rail" });
+  const pedalled = h("output"), pedal = h("input", { type: "range", min: 0, max: MAX_PEDAL_MM, step: 0.05, id: "pedal", "aria-label": "sustain pedal, lift of its rail" });
   pedal.addEventListener("input", () => void app.change({ pedal: Number(pedal.value) }));
   const pedalRow = h("div", { hidden: true }, h("label", { class: "slider" }, h("span", {}, "sustain pedal, lift of its rail"), pedalled, pedal), h("p", { class: "soft" }, "Dampers lie on the strings at 0, half at 2 mm, and are clear of them at 7. ", h("kbd", {}, "P"), " puts it down and lifts it."));
   const press = h("button", { type: "button", class: "press", id: "press" }, "Press");

@@ -43,7 +43,7 @@ export const FIRST: State = {
 };
 
 /** As far as the engine's rail goes, mm. */
-export const MOST_PEDAL_MM = 10;
+export const MAX_PEDAL_MM = 10;
 
 /** As far as a key front is moved whose motion is imposed, m: into the felt under it, with some tens of newtons. */
 export const DEEPEST_M = 0.0102;
@@ -59,7 +59,7 @@ const squeeze = async (text: string): Promise<string> => {
 };
 
 /** Longest text that an address may hold once it is unpacked, bytes: a file is some 40 000. */
-const LONGEST = 2_000_000;
+const MAX_FILE_BYTES = 2_000_000;
 
 const unsqueeze = async (text: string): Promise<string> => {
   const binary = atob(text.replaceAll("-", "+").replaceAll("_", "/"));
@@ -71,7 +71,7 @@ const unsqueeze = async (text: string): Promise<string> => {
     const { value, done } = await reader.read();
     if (done) return out + decoder.decode();
     out += decoder.decode(value, { stream: true });
-    if (out.length > LONGEST) throw new Error("the file in the address is too long");
+    if (out.length > MAX_FILE_BYTES) throw new Error("the file in the address is too long");
   }
 };
 
@@ -137,7 +137,7 @@ export const fromHash = async (text: string): Promise<{ state: State; fault: str
   state.firmness = number("firm", 0.05, 50, FIRST.firmness);
   state.imposed = hash.get("imposed") === "1";
   state.force = number("force", 0.1, 50, FIRST.force);
-  state.pedal = number("pedal", 0, MOST_PEDAL_MM, FIRST.pedal);
+  state.pedal = number("pedal", 0, MAX_PEDAL_MM, FIRST.pedal);
   state.speed = 1 / number("slower", 1, 1000, 1 / FIRST.speed);
   state.slow = hash.get("slow") === "1";
   state.forces = hash.get("forces") !== "0";

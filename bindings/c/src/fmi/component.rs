@@ -16,7 +16,7 @@ use crate::reading::{
 use crate::status::ErardStatus;
 
 /// Most steps of the simulation in one communication step.
-const MOST_STEPS: u64 = 10_000_000;
+const MAX_STEPS: u64 = 10_000_000;
 
 /// A saved state: action or keyboard, inputs, start and steps.
 pub(super) type SavedState = Vec<u8>;
@@ -184,7 +184,7 @@ impl Component {
             return Err("a step before the end of initialisation".into());
         };
         let until = (now_s + length_s - *start_s) / step_s;
-        if !(length_s >= 0.0 && until.is_finite() && until > -0.5 && until - *steps as f64 <= MOST_STEPS as f64) {
+        if !(length_s >= 0.0 && until.is_finite() && until > -0.5 && until - *steps as f64 <= MAX_STEPS as f64) {
             return Err(format!("a communication step of {length_s} s at {now_s} s"));
         }
         // Whole steps, counted from the start.

@@ -48,7 +48,7 @@ fn steps_are_the_native_actions() {
                 unsafe { erard_action_step_force(here.0, input.force_n, &raw mut r) }
             };
             let native = there.step(native);
-            assert_eq!(status == ErardStatus::Ok, native.outcome == erard::Outcome::Converged);
+            assert_eq!(status == ErardStatus::Ok, native.outcome == erard::StepOutcome::Converged);
             let found = [r.key_m, r.key_m_per_s, r.finger_force_n, r.hammer_rise_m, r.hammer_rise_m_per_s, r.string_n];
             let expected = [
                 native.key_m,

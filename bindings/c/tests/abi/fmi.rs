@@ -6,7 +6,7 @@ use std::process::Command;
 
 use erard::instrument::InstrumentFile;
 use erard::keyboard::{Keyboard, Keys};
-use erard::parameter::{Wanted, varied};
+use erard::parameter::{ParameterChange, varied};
 use erard::player::HandInput;
 use erard::{Action, Input, Instrument, Settings};
 use erard_workshop::fmu::Unit;
@@ -101,7 +101,7 @@ fn fmpy_plays_it() {
     // A heavier hammer with its inertia, by one parameter: to the bit what the command's `--vary` plays.
     let hammer = file.instrument.bodies.iter().find(|body| body.name == "hammer").unwrap();
     let mass_kg = 1.05 * hammer.mass_kg;
-    let change = [("body.hammer.mass".to_owned(), Wanted::Text(format!("= {mass_kg:?} kg")))];
+    let change = [("body.hammer.mass".to_owned(), ParameterChange::Text(format!("= {mass_kg:?} kg")))];
     let whole = impact(&varied(text, "whole", &change).unwrap().instrument);
     let line = format!("{mass_kg:?} {:?} {:?}", whole.hammer_speed_m_per_s, whole.time_s);
     std::fs::write(folder.path().join("mass.txt"), line).unwrap();

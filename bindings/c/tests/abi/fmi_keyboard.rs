@@ -286,7 +286,7 @@ fn parameters_change_all_keys() {
     // At rest no key takes a step, however it is driven by no force.
     assert_eq!(unsafe { fmi2DoStep(unit.own, 0.0, 0.1, 1) }, OK);
     assert_eq!(unit.get_integer("awake"), 0);
-    let change = erard::parameter::Wanted::Text("*1.1".into());
+    let change = erard::parameter::ParameterChange::Text("*1.1".into());
     let text = erard::parameter::varied_text(keyboard.base_text(), "heavier", "body.hammer.mass", &change).unwrap();
     let heavier = keyboard.around(text).unwrap();
     for key in [1, 88] {

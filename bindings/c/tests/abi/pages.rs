@@ -4,7 +4,7 @@ use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::{null, null_mut};
 
 use erard::Instrument;
-use erard::parameter::{Wanted, varied};
+use erard::parameter::{ParameterChange, varied};
 use erard_c::*;
 use erard_workshop::diagnose::{Known, answer, diagnose};
 use serde_json::Value;
@@ -81,7 +81,7 @@ fn masses_are_varied_with_their_inertias() {
     let found = text(&grand);
     let read = Instrument::parse(&found, "varied").unwrap();
     let changes = [("body.hammer.mass", "+0.8 g"), ("let_off", "-0.2 mm")]
-        .map(|(name, change)| (name.to_owned(), Wanted::Text(change.to_owned())));
+        .map(|(name, change)| (name.to_owned(), ParameterChange::Text(change.to_owned())));
     let native = varied(Instrument::builtin_text("concert-grand").unwrap(), "native", &changes).unwrap().instrument;
     let (here, there) = (hammer(&read), hammer(&native));
     assert!((here.mass_kg - drawn.mass_kg - 0.8e-3).abs() < 1e-12, "{}", here.mass_kg);

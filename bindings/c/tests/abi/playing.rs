@@ -5,7 +5,7 @@ use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
 
 use erard::instrument::InstrumentFile;
-use erard::level::{DURATION_S, Kind, MASS_KG, Reference, named};
+use erard::level::{DURATION_S, HandKind, MASS_KG, Reference, named};
 use erard::run::{Setup, press_by_hand};
 use erard::stroke::{NUANCES, Touch};
 use erard::{Instrument, Run};
@@ -35,7 +35,7 @@ impl Drop for Owned {
 }
 
 fn pressed(instrument: &Instrument, nuance: &str, touch: Touch) -> Run {
-    let kind = Kind { touch, mass_kg: MASS_KG };
+    let kind = HandKind { touch, mass_kg: MASS_KG };
     let mut reference = Reference::new(instrument, &mut |_| true).unwrap();
     let found = reference.solve(kind, named(nuance).unwrap(), &mut |_| true).unwrap();
     let setup = Setup { record_every: Some(1), ..Setup::new(DURATION_S) };
@@ -453,10 +453,9 @@ fn steps_are_whole_where_the_caller_says_so() {
     let step_s = 1.0 / 24e3;
     let instrument = Instrument::builtin("concert-grand-strings").expect("built in");
     let mut found = Vec::new();
-    for (kind, halving) in [
-        (ERARD_HALVING_AUTO, erard::mechanism::Halving::AsAsked),
-        (ERARD_HALVING_NEVER, erard::mechanism::Halving::Never),
-    ] {
+    for (kind, halving) in
+        [(ERARD_HALVING_AUTO, erard::mechanism::Halving::Auto), (ERARD_HALVING_NEVER, erard::mechanism::Halving::Never)]
+    {
         let own = unsafe { erard_action_new(text.as_ptr().cast(), text.len(), step_s, null_mut()) };
         assert!(!own.is_null(), "{}", last_error());
         assert_eq!(unsafe { erard_action_set_halving(own, kind) }, ErardStatus::Ok);

@@ -13,7 +13,7 @@ fn main() {
     while scan.frame(&mut |message| tell(frame, message)) {
         frame += 1;
     }
-    let rest = scan.keys().iter().filter(|key| key.rests()).count();
+    let rest = scan.keys().iter().filter(|key| key.is_asleep()).count();
     scan.end(&mut |message| tell(frame, message));
     println!("steps {}", scan.keys().iter().map(|key| key.steps()).sum::<u64>());
     println!("at rest {rest}");

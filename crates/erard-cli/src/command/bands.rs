@@ -95,7 +95,7 @@ impl Banded {
 }
 
 /// What a value is called, and its unit.
-pub(crate) type Named = (String, String);
+pub(crate) type NameAndUnit = (String, String);
 
 /// Values of the instrument that was asked for, with their bands over its first samples. `values` finds them in an
 /// instrument, in one order; what it finds of a sample is kept as `kind` with what else it depends on, unless that is
@@ -104,7 +104,7 @@ pub(crate) fn bands(
     session: &mut Session,
     asked: &InstrumentSpec,
     count: u32,
-    names: &[Named],
+    names: &[NameAndUnit],
     own: &[Option<f64>],
     kept: Option<(&str, &str)>,
     values: impl Fn(&Instrument, &str, &mut erard::Progress<'_>) -> Result<SampleValues, SampleError> + Sync,

@@ -96,9 +96,9 @@ fn picture(series: &Series, role: Role, start_s: f64, end_s: f64) -> Vec<String>
 }
 
 /// Columns without use that are named.
-const MOST_UNUSED: usize = 12;
+const MAX_UNUSED: usize = 12;
 /// Letters of a title that are shown.
-const LONGEST_TITLE: usize = 60;
+const MAX_TITLE_LENGTH: usize = 60;
 
 /// The columns that are used and those that are not, with what to type for them.
 fn told_columns(session: &mut Session, recording: &Recording, position_of: PositionOf) {
@@ -123,9 +123,9 @@ fn told_columns(session: &mut Session, recording: &Recording, position_of: Posit
         print_line!(session, "  columns not used: none");
         return;
     }
-    let short = |title: &String| title.chars().take(LONGEST_TITLE).collect::<String>();
+    let short = |title: &String| title.chars().take(MAX_TITLE_LENGTH).collect::<String>();
     let unused: Vec<String> =
-        layout.unused.iter().take(MOST_UNUSED).map(|title| format!("`{}`", short(title))).collect();
+        layout.unused.iter().take(MAX_UNUSED).map(|title| format!("`{}`", short(title))).collect();
     let more = match layout.unused.len() - unused.len() {
         0 => String::new(),
         more => format!(" and {more} more (--json names all)"),

@@ -17,7 +17,7 @@ use crate::answer::Answer;
 use crate::diagnose::{Work, html, table, text};
 use crate::failure::Failure;
 use crate::inputs;
-use crate::paper::Headed;
+use crate::paper::PageHeader;
 use crate::print_line;
 use crate::session::Session;
 use crate::units::Lengths;
@@ -45,7 +45,7 @@ pub(crate) struct Diagnose {
     #[command(flatten)]
     lengths: Lengths,
     #[command(flatten)]
-    headed: Headed,
+    page_header: PageHeader,
     #[command(flatten)]
     out: OutOptions,
 }
@@ -114,8 +114,13 @@ impl Diagnose {
         drop(progress);
         let name = self.file.as_deref().map(inputs::shown);
         let is_key_assumed = self.file.is_none() && self.key.is_none();
-        let work =
-            Work { file: name.as_deref(), is_key_assumed, found: &found, headed: &self.headed, lengths: self.lengths };
+        let work = Work {
+            file: name.as_deref(),
+            is_key_assumed,
+            found: &found,
+            page_header: &self.page_header,
+            lengths: self.lengths,
+        };
         output.text(session, "diagnosis.html", &html(&work))?;
         let found_json = diagnosis_json(&found, work.file, is_key_assumed);
         output.json(session, "diagnosis.json", &found_json)?;

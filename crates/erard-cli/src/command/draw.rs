@@ -12,7 +12,7 @@ use super::out::OutOptions;
 use super::press::play_observed;
 use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::instruments::Noted;
+use crate::instruments::LoadedInstrument;
 use crate::print_line;
 use crate::session::Session;
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pins_at, pose_picture};
@@ -82,7 +82,7 @@ const LATEST_MS: f64 = 600_000.0;
 impl Draw {
     /// Runs the command.
     pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
-        let Noted { instrument, changed, whole } = self.instrument.load_noted(session)?;
+        let LoadedInstrument { instrument, changed, whole } = self.instrument.load_with_notes(session)?;
         let stroke = self.stroke.load(session, &whole)?;
         let settings = Settings::new(instrument.usual_step_s());
         let duration_s = match self.at {

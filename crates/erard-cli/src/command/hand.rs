@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::Args;
-use erard::level::{DURATION_S, Kind, LEVELS, LevelError, MASS_KG, Reference, named};
+use erard::level::{DURATION_S, HandKind, LEVELS, LevelError, MASS_KG, Reference, named};
 use erard::parameter::Quantity;
 use erard::player::Hand;
 use erard::stroke::{Muscle, Stroke, Touch};
@@ -101,7 +101,7 @@ impl HandOptions {
         progress: &mut erard::Progress<'_>,
     ) -> Result<Stroke, LevelError> {
         let touch = if self.hand_speed.is_some() { Touch::Struck } else { self.touch };
-        let kind = Kind { touch, mass_kg: self.mass_kg() };
+        let kind = HandKind { touch, mass_kg: self.mass_kg() };
         let mut reference = Reference::new(reference, progress)?;
         let (name, found) = match self.hand_speed {
             Some(speed_m_per_s) => (

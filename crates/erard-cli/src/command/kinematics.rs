@@ -78,11 +78,11 @@ pub(crate) struct Kinematics {
 /// Last key travel if let-off is unknown, m: a usual dip.
 const USUAL_DIP_M: f64 = 0.010;
 /// Largest sensible key travel, mm.
-const FARTHEST_MM: f64 = 1000.0;
+const MAX_TRAVEL_MM: f64 = 1000.0;
 /// Most steps: more than a figure shows.
-const MOST_STEPS: i64 = 1_000_000;
+const MAX_STEPS: i64 = 1_000_000;
 /// Most poses of all cases together, because of memory.
-const MOST_POSES: i64 = 2_000_000;
+const MAX_POSES: i64 = 2_000_000;
 
 /// Subject of the command.
 struct Subject {
@@ -203,8 +203,8 @@ impl Kinematics {
     fn check_numbers(&self) -> Result<(), Failure> {
         let usage = |message: String| Err(Failure::Usage(message));
         for (option, mm) in [("--from-travel", Some(self.from_travel)), ("--to-travel", self.to_travel)] {
-            if let Some(mm) = mm.filter(|mm| mm.abs() > FARTHEST_MM) {
-                return usage(format!("{option} {mm}: expected a number of at most {FARTHEST_MM} mm"));
+            if let Some(mm) = mm.filter(|mm| mm.abs() > MAX_TRAVEL_MM) {
+                return usage(format!("{option} {mm}: expected a number of at most {MAX_TRAVEL_MM} mm"));
             }
         }
         if let Some(to) = self.to_travel.filter(|to| *to <= self.from_travel) {
@@ -213,15 +213,15 @@ impl Kinematics {
                 self.from_travel
             ));
         }
-        if !(1..=MOST_STEPS).contains(&self.steps) {
-            return usage(format!("--steps {}: expected a number from 1 to {MOST_STEPS}", self.steps));
+        if !(1..=MAX_STEPS).contains(&self.steps) {
+            return usage(format!("--steps {}: expected a number from 1 to {MAX_STEPS}", self.steps));
         }
         let cases = self.moves.len() as i64 + 1;
-        if self.steps.saturating_mul(cases) > MOST_POSES {
+        if self.steps.saturating_mul(cases) > MAX_POSES {
             return usage(format!(
-                "--steps {}: {cases} cases would have more than {MOST_POSES} poses; expected at most {}",
+                "--steps {}: {cases} cases would have more than {MAX_POSES} poses; expected at most {}",
                 self.steps,
-                MOST_POSES / cases
+                MAX_POSES / cases
             ));
         }
         for (i, one) in self.moves.iter().enumerate() {

@@ -21,7 +21,7 @@ use crate::inputs::shown;
 use crate::instruments::load_keyboard;
 use crate::live::feed::{Line, lines};
 use crate::live::latency::{Clock, Latency};
-use crate::live::report::Told;
+use crate::live::report::StreamSummary;
 use crate::live::{Bits, Sounding, Wire};
 use crate::number::{between, number, whole};
 use crate::output::Output;
@@ -128,7 +128,7 @@ impl Live {
             return Err(Failure::Usage(format!("{}, line {line}: {what}; no line is a sample", self.name())));
         }
         let report = erard_live::Report { longest_on_a_cable_s: wire.longest_on_a_cable_s(), ..report };
-        let told = Told {
+        let summary = StreamSummary {
             stream: self.name(),
             keyboard: keyboard.name.clone(),
             report,
@@ -136,7 +136,7 @@ impl Live {
             first_malformed: heard.first,
             latency: (!is_file).then(|| Latency::of(heard.late_s)),
         };
-        self.finish(session, &mut wire, &told)
+        self.finish(session, &mut wire, &summary)
     }
 
     fn out(&self) -> &Path {
@@ -387,8 +387,8 @@ impl Live {
         Ok((Output::files(session, folder, self.force, &[&name])?, name))
     }
 
-    fn finish(&self, session: &mut Session, wire: &mut Wire, told: &Told) -> Result<Answer, Failure> {
-        let mut answer = Answer::of(&told.json()?)?;
+    fn finish(&self, session: &mut Session, wire: &mut Wire, summary: &StreamSummary) -> Result<Answer, Failure> {
+        let mut answer = Answer::of(&summary.json()?)?;
         if let Some(bytes) = wire.file(self.velocity_bits).map_err(Failure::Internal)? {
             let (mut output, name) = self.staged(session)?;
             output.stage(session, &name, |writer| writer.write_all(&bytes))?;
@@ -399,15 +399,15 @@ impl Live {
             output.table(session, &name, &notes)?;
             answer = answer.files(&output.commit(session)?);
         }
-        if let Some(warning) = told.warning() {
+        if let Some(warning) = summary.warning() {
             warn!(session, "{warning}");
         }
         if self.is_stdout() && self.midi_port.is_none() {
             if !session.printer.is_quiet() {
-                told.text().into_iter().for_each(|line| warn!(session, "{line}"));
+                summary.text().into_iter().for_each(|line| warn!(session, "{line}"));
             }
         } else {
-            told.text().into_iter().for_each(|line| print_line!(session, "{line}"));
+            summary.text().into_iter().for_each(|line| print_line!(session, "{line}"));
         }
         Ok(answer)
     }

@@ -27,10 +27,10 @@ use crate::measure::figures::{Drawn, figures};
 use crate::measure::rows::{self, MeasuredRow};
 use crate::measure::{Measured, doubts, page, table};
 use crate::number::whole;
-use crate::paper::Headed;
+use crate::paper::PageHeader;
 use crate::print_line;
 use crate::session::Session;
-use crate::sheet::{self, Advised, ORDER, before_and_after, beyond, in_the_end, left, tasks};
+use crate::sheet::{self, AdvisedInstrument, ORDER, before_and_after, beyond, in_the_end, left, tasks};
 use crate::units::Lengths;
 use crate::warn;
 use erard_figures::drawing::{PoseOptions, angles_at, pose_picture};
@@ -80,13 +80,13 @@ pub(crate) struct Measure {
     #[command(flatten)]
     bands: BandOptions,
     #[command(flatten)]
-    headed: Headed,
+    page_header: PageHeader,
     #[command(flatten)]
     out: OutOptions,
 }
 
 /// Most instruments side by side: more columns than a page is wide.
-const MOST: usize = 12;
+const MAX_PAGES: usize = 12;
 
 impl Measure {
     /// Runs the command.
@@ -112,7 +112,7 @@ impl Measure {
         let mut measured = Vec::new();
         // A sheet's screws are tried when it has been measured: a fifth of the work.
         let measuring = if self.sheet { 0.8 } else { 1.0 };
-        for (index, Named { label, instrument }) in named.into_iter().enumerate() {
+        for (index, LabelledInstrument { label, instrument }) in named.into_iter().enumerate() {
             let mut tell = |share: f64| progress.tell(measuring * (index as f64 + share) / count);
             let sheet = measure(&instrument, &mut tell)
                 .map_err(|error| Failure::Measure { label: label.clone(), error: Box::new(error) })?;
@@ -126,7 +126,13 @@ impl Measure {
             let readings = Readings::on(&one.sheet);
             let list = worklist(&one.instrument, &readings, &leads, self.priority.into(), &mut tell)?;
             let drawing = drawings.get(index).map_or(String::new(), |drawn| drawn.picture.svg());
-            advised.push(Advised { measured: one, list, drawing, headed: &self.headed, lengths: self.lengths });
+            advised.push(AdvisedInstrument {
+                measured: one,
+                list,
+                drawing,
+                page_header: &self.page_header,
+                lengths: self.lengths,
+            });
         }
         drop(progress);
 
@@ -140,7 +146,7 @@ impl Measure {
             [one] => output.json(session, "measure.json", one)?,
             _ => output.json(session, "measure.json", &sheets)?,
         }
-        let page = page::html(&measured, &drawings, &figures, &self.headed, self.lengths);
+        let page = page::html(&measured, &drawings, &figures, &self.page_header, self.lengths);
         output.text(session, "measure.html", &page)?;
         if self.sheet {
             output.text(session, "sheet.html", &sheet::html(&advised))?;
@@ -242,7 +248,8 @@ impl Measure {
         let own = measure_some(&one.instrument, &lines, &mut |share| progress.tell(share))
             .map_err(|error| Failure::Measure { label: one.label.clone(), error: Box::new(error) })?;
         drop(progress);
-        let names: Vec<bands::Named> = lines.iter().map(|line| (line.key.to_owned(), line.unit.to_owned())).collect();
+        let names: Vec<bands::NameAndUnit> =
+            lines.iter().map(|line| (line.key.to_owned(), line.unit.to_owned())).collect();
         let keys: Vec<&str> = lines.iter().map(|line| line.key).collect();
         let kept = keys.join(",");
         let banded =
@@ -269,11 +276,14 @@ impl Measure {
         let named = self.named(session, asked)?;
         let mut output = self.out.prepare(session, "measure", &["measure.csv", "measure.json"])?;
         let mut progress = session.progress("measuring");
-        let measure =
-            |one: &Named, progress: &mut erard::Progress<'_>| match measure_some(&one.instrument, &lines, progress) {
-                Err(error) if error.is_interruption() => Err(Unmeasured::from((one, error))),
-                found => Ok(found.map_err(|error| Unmeasured::from((one, error)))),
-            };
+        let measure = |one: &LabelledInstrument, progress: &mut erard::Progress<'_>| match measure_some(
+            &one.instrument,
+            &lines,
+            progress,
+        ) {
+            Err(error) if error.is_interruption() => Err(Unmeasured::from((one, error))),
+            found => Ok(found.map_err(|error| Unmeasured::from((one, error)))),
+        };
         let failure = |error: Unmeasured| Failure::Measure { label: error.label, error: error.error };
         let mut found =
             cores::map(&named, cores::count(), &mut |share| progress.tell(share), measure).map_err(failure)?;
@@ -283,7 +293,7 @@ impl Measure {
         {
             return Err(failure(first));
         }
-        let row = |(one, found): (Named, Result<Vec<Option<f64>>, Unmeasured>)| MeasuredRow {
+        let row = |(one, found): (LabelledInstrument, Result<Vec<Option<f64>>, Unmeasured>)| MeasuredRow {
             label: one.label,
             key: one.instrument.key(),
             values: found.map_err(|unmeasured| unmeasured.error.to_string()),
@@ -305,14 +315,14 @@ impl Measure {
     }
 
     /// All instruments of a few, read before anything is measured, by labels that tell them apart.
-    fn load(&self, session: &mut Session, asked: &[InstrumentSpec]) -> Result<Vec<Named>, Failure> {
-        if asked.len() > MOST {
-            return Err(Failure::Usage(format!("{} instruments; expected at most {MOST}", asked.len())));
+    fn load(&self, session: &mut Session, asked: &[InstrumentSpec]) -> Result<Vec<LabelledInstrument>, Failure> {
+        if asked.len() > MAX_PAGES {
+            return Err(Failure::Usage(format!("{} instruments; expected at most {MAX_PAGES}", asked.len())));
         }
         self.named(session, asked)
     }
 
-    fn named(&self, session: &mut Session, asked: &[InstrumentSpec]) -> Result<Vec<Named>, Failure> {
+    fn named(&self, session: &mut Session, asked: &[InstrumentSpec]) -> Result<Vec<LabelledInstrument>, Failure> {
         let instruments = asked.iter().map(|one| self.one(session, one)).collect::<Result<Vec<_>, _>>()?;
         let shared = |name: &str| instruments.iter().filter(|other| other.name == name).count() > 1;
         // A file's own name, for a copy keeps the name of what it was copied from.
@@ -322,7 +332,11 @@ impl Measure {
             None => instrument.name.clone(),
         };
         let labels: Vec<String> = asked.iter().zip(&instruments).map(|(asked, one)| label(asked, one)).collect();
-        Ok(labels.into_iter().zip(instruments).map(|(label, instrument)| Named { label, instrument }).collect())
+        Ok(labels
+            .into_iter()
+            .zip(instruments)
+            .map(|(label, instrument)| LabelledInstrument { label, instrument })
+            .collect())
     }
 
     /// An instrument, as that of the key that `--key` names.
@@ -357,7 +371,7 @@ pub(super) fn leads(options: &[String]) -> Result<Vec<Lead>, Failure> {
 }
 
 /// An instrument by what it is called here.
-struct Named {
+struct LabelledInstrument {
     label: String,
     instrument: Instrument,
 }
@@ -368,8 +382,8 @@ struct Unmeasured {
     error: Box<MeasureError>,
 }
 
-impl From<(&Named, MeasureError)> for Unmeasured {
-    fn from((one, error): (&Named, MeasureError)) -> Self {
+impl From<(&LabelledInstrument, MeasureError)> for Unmeasured {
+    fn from((one, error): (&LabelledInstrument, MeasureError)) -> Self {
         Unmeasured { label: one.label.clone(), error: Box::new(error) }
     }
 }

@@ -18,7 +18,7 @@ use moreau::{FrictionLaw, Settings, Solver};
 
 use super::hand::HandOptions;
 use crate::failure::Failure;
-use crate::instruments::{Noted, load_file, load_instrument};
+use crate::instruments::{LoadedInstrument, load_file, load_instrument};
 use crate::names::{Name, one_of};
 use crate::number::number;
 use crate::recordings::{Ready, RecordingOptions};
@@ -78,15 +78,15 @@ impl InstrumentOption {
     }
 
     /// Loads the instrument, reduced to the model that was asked for, with what its pictures mark as changed.
-    pub(crate) fn load_noted(&self, session: &mut Session) -> Result<Noted, Failure> {
+    pub(crate) fn load_with_notes(&self, session: &mut Session) -> Result<LoadedInstrument, Failure> {
         let Some(path) = self.instrument.path() else {
             let whole = load_instrument(session, &self.instrument)?;
-            return Ok(Noted { instrument: self.reduced(whole.clone())?, changed: Vec::new(), whole });
+            return Ok(LoadedInstrument { instrument: self.reduced(whole.clone())?, changed: Vec::new(), whole });
         };
         let InstrumentFile { instrument: whole, provenance, .. } = load_file(session, path)?.0;
         let instrument = self.reduced(whole.clone())?;
         let changed = ChangedNote::all(&instrument, &provenance.outlived_notes());
-        Ok(Noted { instrument, changed, whole })
+        Ok(LoadedInstrument { instrument, changed, whole })
     }
 
     /// A full instrument, reduced to the model that was asked for.
@@ -114,7 +114,7 @@ impl InstrumentsOption {
     }
 
     /// Loads the instrument, or both, reduced to the model that was asked for.
-    pub(crate) fn load(&self, session: &mut Session) -> Result<Vec<Noted>, Failure> {
+    pub(crate) fn load(&self, session: &mut Session) -> Result<Vec<LoadedInstrument>, Failure> {
         if self.instruments.len() > 2 {
             return Err(Failure::Usage(format!(
                 "--instrument is given {} times; expected once, or twice to compare two",
@@ -122,7 +122,7 @@ impl InstrumentsOption {
             )));
         }
         let one = |asked: &InstrumentSpec| {
-            InstrumentOption { instrument: asked.clone(), model: self.model }.load_noted(session)
+            InstrumentOption { instrument: asked.clone(), model: self.model }.load_with_notes(session)
         };
         self.instruments.iter().map(one).collect()
     }

@@ -30,7 +30,7 @@ use crate::session::Session;
 /// What stands below the options.
 const AFTER: &str = include_str!("help/play.txt");
 /// No longer files are read, bytes.
-const MOST_BYTES: u64 = 16 << 20;
+const MAX_BYTES: u64 = 16 << 20;
 
 /// Plays a MIDI file on the simulated keys of a keyboard, and says which notes are lost and why.
 #[derive(Debug, Args)]
@@ -232,7 +232,7 @@ pub(super) fn score<'l>(
     let name = shown(path);
     let wrong = |what: String| Failure::Usage(format!("{name}: {what}"));
     let bytes =
-        session.inputs.beginning(path, MOST_BYTES + 1).map_err(|error| wrong(format!("cannot be read: {error}")))?;
+        session.inputs.beginning(path, MAX_BYTES + 1).map_err(|error| wrong(format!("cannot be read: {error}")))?;
     let mut piece = file::read(&bytes).map_err(|error| wrong(error.to_string()))?;
     session.provenance.used("piece", &name, Some(&name), &bytes);
     let between = if from > 0.0 || to.is_some() {

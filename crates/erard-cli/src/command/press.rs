@@ -21,7 +21,7 @@ use super::press_pair::{self, Played};
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::inside::{self, LossReport, losses_picture, reactions_picture};
-use crate::instruments::Noted;
+use crate::instruments::LoadedInstrument;
 use crate::number::number;
 use crate::print_line;
 use crate::session::Session;
@@ -126,7 +126,7 @@ impl Press {
             let strokes = self.strokes(session, &instruments, (stroke, noise), against.as_ref(), reference)?;
             return self.pair(session, &instruments, strokes, setup);
         }
-        let [Noted { instrument, changed, .. }] = &instruments[..] else {
+        let [LoadedInstrument { instrument, changed, .. }] = &instruments[..] else {
             return Err(Failure::Internal("no instrument".into()));
         };
         let setup = setup(&stroke);
@@ -238,7 +238,7 @@ impl Press {
             Some((stem, _)) if factor != 1.0 => (format!("{stem}_{unit}"), unit.to_owned()),
             _ => (key.to_owned(), unit.to_owned()),
         };
-        let names: Vec<bands::Named> = MEASURES.iter().map(name).collect();
+        let names: Vec<bands::NameAndUnit> = MEASURES.iter().map(name).collect();
         let values = |summary: &Summary| MEASURES.iter().map(|one| value(&summary.json, one)).collect::<Vec<_>>();
         let names_of = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
         let model = self.instrument.model;
@@ -271,7 +271,7 @@ impl Press {
     fn strokes(
         &self,
         session: &mut Session,
-        instruments: &[Noted],
+        instruments: &[LoadedInstrument],
         stroke: Noisy,
         against: Option<&StrokeOptions>,
         reference: &Instrument,
@@ -292,7 +292,7 @@ impl Press {
     fn pair(
         &self,
         session: &mut Session,
-        instruments: &[Noted],
+        instruments: &[LoadedInstrument],
         strokes: Vec<Noisy>,
         setup: impl Fn(&Stroke) -> Setup,
     ) -> Result<Answer, Failure> {
@@ -316,7 +316,7 @@ impl Press {
         let mut played = Vec::new();
         for index in 0..2 {
             let at = |count: usize| index.min(count - 1);
-            let (Noted { instrument, changed, .. }, (stroke, noise), setup) =
+            let (LoadedInstrument { instrument, changed, .. }, (stroke, noise), setup) =
                 (&instruments[at(instruments.len())], &strokes[at(strokes.len())], &setups[at(setups.len())]);
             let started = Instant::now();
             let run = play_observed(session, instrument, stroke, setup, &mut Inside::default())?;
@@ -343,7 +343,7 @@ impl Press {
 }
 
 /// Whether two instruments are different keys: each has a touch of its own.
-fn are_keys(first: &Noted, second: &Noted) -> bool {
+fn are_keys(first: &LoadedInstrument, second: &LoadedInstrument) -> bool {
     first.instrument.key().zip(second.instrument.key()).is_some_and(|(first, second)| first != second)
 }
 

@@ -9,7 +9,7 @@ use erard::instrument_spec::InstrumentSpec;
 use erard::key::{UnknownKey, keys_named};
 use erard::keyboard::{KEYS, Keyboard};
 use erard_midi::Law;
-use erard_piece::scan::{Case, MOST_RATE_HZ, Scans, Sensor, Truth, play_cases};
+use erard_piece::scan::{Case, MAX_RATE_HZ, Scans, Sensor, Truth, play_cases};
 use erard_piece::{Options, Score, perform};
 use erard_workshop::cores;
 use erard_workshop::measure::MeasureError;
@@ -28,7 +28,7 @@ use crate::session::Session;
 /// What stands below the options.
 const AFTER: &str = include_str!("help/scan.txt");
 /// More sensors are not read at once.
-const MOST_SENSORS: usize = 100;
+const MAX_SENSORS: usize = 100;
 /// Cases begin so long after the piece, and after the beginning, s.
 const PAUSE_S: f64 = 0.5;
 
@@ -57,7 +57,7 @@ pub(crate) struct Scan {
     #[arg(long, value_name = "N,N,..", default_value = "12", value_delimiter = ',', value_parser = whole::<u32>(4, 24), allow_negative_numbers = true)]
     bits: Vec<u32>,
     /// Readings of each key a second, Hz, one or several numbers from 20 to 20000
-    #[arg(long, value_name = "HZ,HZ,..", default_value = "1000", value_parser = list(between(Quantity::Frequency, "Hz", 20.0, MOST_RATE_HZ)), allow_hyphen_values = true)]
+    #[arg(long, value_name = "HZ,HZ,..", default_value = "1000", value_parser = list(between(Quantity::Frequency, "Hz", 20.0, MAX_RATE_HZ)), allow_hyphen_values = true)]
     rate: Vec<Values>,
     /// Noise of the sensors: standard deviation, % of a key's travel, one or several numbers from 0 to 10
     #[arg(long, value_name = "%,%,..", default_value = "0.05", value_parser = list(between(Quantity::Share, "%", 0.0, 10.0)), allow_hyphen_values = true)]
@@ -167,9 +167,9 @@ impl Scan {
                 }
             }
         }
-        if sensors.len() > MOST_SENSORS {
+        if sensors.len() > MAX_SENSORS {
             let found = sensors.len();
-            let what = format!("--bits, --rate and --noise ask for {found} sensors; expected at most {MOST_SENSORS}");
+            let what = format!("--bits, --rate and --noise ask for {found} sensors; expected at most {MAX_SENSORS}");
             return Err(Failure::Usage(what));
         }
         Ok(sensors)

@@ -42,7 +42,7 @@ pub(crate) struct Studio {
 /// How long a browser may take for a request, s.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Longest request line and headers that are read, bytes.
-const LONGEST: u64 = 16 * 1024;
+const MAX_REQUEST_BYTES: u64 = 16 * 1024;
 /// What the page may do, as it says itself; its workers get the same here.
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'; style-src 'self'; \
      img-src 'self' data: blob:; manifest-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -133,7 +133,7 @@ impl Page {
 fn answer(stream: TcpStream, page: &Page) -> std::io::Result<()> {
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
-    let mut reader = BufReader::new((&stream).take(LONGEST));
+    let mut reader = BufReader::new((&stream).take(MAX_REQUEST_BYTES));
     let mut first = String::new();
     reader.read_line(&mut first)?;
     let mut line = String::new();

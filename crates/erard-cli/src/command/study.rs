@@ -8,7 +8,7 @@ use erard::player::Input;
 use erard::run::Setup;
 use erard_workshop::compare::Which;
 use erard_workshop::sensitivities::Rest;
-use erard_workshop::study::{Axis, Column, GRADING, Grid, MOST, MakeStroke, Source, Target, Workers, doubts};
+use erard_workshop::study::{Axis, Column, GRADING, Grid, MAX_STROKES, MakeStroke, Source, Target, Workers, doubts};
 
 use super::bands::{self, BandOptions, BandRow, Banded};
 use super::options::{InstrumentOption, StepOptions, StrokeOptions, check, measured_lines};
@@ -226,12 +226,12 @@ impl Study {
             ));
         };
         let strokes = grid.count() * count as usize;
-        if strokes > MOST {
+        if strokes > MAX_STROKES {
             return Err(Failure::Usage(format!(
-                "{strokes} strokes; expected at most {MOST}. Give --vary fewer values or --bands fewer samples"
+                "{strokes} strokes; expected at most {MAX_STROKES}. Give --vary fewer values or --bands fewer samples"
             )));
         }
-        let mut names: Vec<bands::Named> = Vec::new();
+        let mut names: Vec<bands::NameAndUnit> = Vec::new();
         for row in 0..grid.count() {
             let at: Vec<String> = columns[..grid.axes.len()]
                 .iter()

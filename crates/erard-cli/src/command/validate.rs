@@ -15,7 +15,7 @@ use erard_figures::Picture;
 use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_picture};
 use erard_workshop::sample::unless_interrupted;
 use erard_workshop::validate::{
-    Drive, GroupResult, Published, Row, SimulatedPress, Tally, Validation, Verdict, validate,
+    Drive, GroupResult, Published, PublishedRow, SimulatedPress, Tally, Validation, Verdict, validate,
 };
 use serde::Serialize;
 
@@ -292,7 +292,7 @@ const SILENT: &str = "not modelled";
 const OPEN: &str = "nothing published";
 
 impl<'a> RowReport<'a> {
-    fn new(row: &'a Row, verdict: Verdict, constant_force: Option<f64>, published: &'a Published) -> Self {
+    fn new(row: &'a PublishedRow, verdict: Verdict, constant_force: Option<f64>, published: &'a Published) -> Self {
         let skipped = if let Verdict::Skipped(skipped) = verdict { Some(skipped.reason()) } else { None };
         let z = row.z(&verdict);
         let (verdict, simulated, missed_by) = match verdict {
@@ -352,7 +352,8 @@ impl Validate {
         keyboard: Option<&Keyboard>,
         count: u32,
     ) -> Result<Banded, Failure> {
-        let names: Vec<bands::Named> = published.rows.iter().map(|row| (row.name.clone(), row.unit.clone())).collect();
+        let names: Vec<bands::NameAndUnit> =
+            published.rows.iter().map(|row| (row.name.clone(), row.unit.clone())).collect();
         let simulated =
             |validation: &Validation| validation.verdicts.iter().map(Verdict::simulated).collect::<Vec<_>>();
         let kept = format!("{published:?}{}", keyboard.map_or("", Keyboard::base_text));

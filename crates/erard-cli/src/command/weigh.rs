@@ -17,7 +17,7 @@ use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::number::{Values, list, number, whole};
-use crate::paper::Headed;
+use crate::paper::PageHeader;
 use crate::print_line;
 use crate::session::Session;
 use crate::units::Lengths;
@@ -55,11 +55,11 @@ pub(crate) struct WeighOptions {
     #[command(flatten)]
     lengths: Lengths,
     #[command(flatten)]
-    headed: Headed,
+    page_header: PageHeader,
 }
 
 /// Most kinds of leads: every combination of up to three is tried.
-const MOST_LEADS: usize = 12;
+const MAX_LEADS: usize = 12;
 
 impl WeighOptions {
     /// Whether a table is to be worked on.
@@ -114,7 +114,7 @@ impl WeighOptions {
             list: &list,
             checked: &checked,
             again: weighed_again.as_deref(),
-            headed: &self.headed,
+            page_header: &self.page_header,
             lengths: self.lengths,
         };
         let picture = weighed_picture(&work);
@@ -186,8 +186,8 @@ impl WeighOptions {
         let leads = if given.is_empty() { LEADS_G.to_vec() } else { given };
         match leads.iter().find(|mass| !(1.0..=50.0).contains(*mass)) {
             Some(mass) => Err(Failure::Usage(format!("--lead-masses: {mass} g; expected masses from 1 to 50 g"))),
-            None if leads.len() > MOST_LEADS => {
-                Err(Failure::Usage(format!("--lead-masses: {} masses; expected {MOST_LEADS} at most", leads.len())))
+            None if leads.len() > MAX_LEADS => {
+                Err(Failure::Usage(format!("--lead-masses: {} masses; expected {MAX_LEADS} at most", leads.len())))
             }
             None => Ok(leads),
         }

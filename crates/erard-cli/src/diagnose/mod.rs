@@ -8,7 +8,7 @@ pub(crate) use words::{table, text};
 
 use erard_workshop::diagnose::Diagnosis;
 
-use crate::paper::Headed;
+use crate::paper::PageHeader;
 use crate::units::Lengths;
 
 /// Answers with what belongs to their page.
@@ -21,7 +21,7 @@ pub(crate) struct Work<'a> {
     /// The answers, a key each.
     pub found: &'a [Diagnosis],
     /// What stands at the head of the page.
-    pub headed: &'a Headed,
+    pub page_header: &'a PageHeader,
     /// How lengths are shown.
     pub lengths: Lengths,
 }

@@ -12,22 +12,22 @@ const STYLE: &str = include_str!("../paper.css");
 
 /// The page: of many keys a list first, then those with work, one after the other.
 pub(crate) fn html(work: &Work<'_>) -> String {
-    let headed = work.headed;
+    let page_header = work.page_header;
     let what = match work.found {
         [one] => key(one),
         found => format!("{} keys", found.len()),
     };
-    let style = format!("{STYLE}@page{{size:{}}}section+section{{break-before:auto}}", headed.paper);
+    let style = format!("{STYLE}@page{{size:{}}}section+section{{break-before:auto}}", page_header.paper);
     let body = html! {
         header {
             h1 { "Diagnosis: " (what) }
             dl {
-                div { dt { "serial" } dd { (headed.serial.as_deref().unwrap_or("")) } }
-                div { dt { "date" } dd { (headed.date.as_deref().unwrap_or("")) } }
+                div { dt { "serial" } dd { (page_header.serial.as_deref().unwrap_or("")) } }
+                div { dt { "date" } dd { (page_header.date.as_deref().unwrap_or("")) } }
                 @if let Some(file) = work.file { div { dt { "readings" } dd { (file) } } }
             }
         }
-        @if let Some(note) = &headed.note { p.note { (note) } }
+        @if let Some(note) = &page_header.note { p.note { (note) } }
         @if let Some(line) = assumed_key(work) { p.note { (line) } }
         @if let [one] = work.found {
             div.one-page { (of_key(one, work)) }

@@ -16,7 +16,7 @@ use sampled::{Source, failed};
 
 /// An instrument, and the numbers of its file whose notes speak of what they were.
 #[derive(Debug)]
-pub(crate) struct Noted {
+pub(crate) struct LoadedInstrument {
     /// The instrument.
     pub instrument: Instrument,
     /// The numbers; none in a built-in instrument, nor in a key of a keyboard, whose notes are written with its

@@ -9,7 +9,7 @@ pub(crate) const UNMOVED: &str = "unmoved";
 pub(crate) const AS_IT_IS: &str = "as it is";
 
 /// Largest move, mm: an action is half a metre long, its parts are shorter.
-const FARTHEST_MM: f64 = 200.0;
+const MAX_MOVE_MM: f64 = 200.0;
 
 /// Makes the move of a part by a distance, m.
 type Make = fn(f64) -> Move;
@@ -58,8 +58,8 @@ pub(crate) fn parse(text: &str) -> Result<MoveOption, String> {
         let metres = Quantity::Length.read(distance, Bare::Refused).map_err(|error| format!("`{part}`: {error}"))?;
         // As a person would write it.
         let mm = (metres * 1e12).round() / 1e9;
-        if mm.abs() > FARTHEST_MM {
-            return Err(format!("`{one}`: expected a distance of at most {FARTHEST_MM} mm"));
+        if mm.abs() > MAX_MOVE_MM {
+            return Err(format!("`{one}`: expected a distance of at most {MAX_MOVE_MM} mm"));
         }
         if names.iter().any(|known: &String| known.starts_with(&format!("{name}="))) {
             return Err(format!("`{name}` is moved twice in `{text}`"));

@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Instant;
 
-use erard_live::stream::LONGEST_LINE;
+use erard_live::stream::MAX_LINE_LENGTH;
 
 /// So many lines may wait. A sender that is faster then waits itself: nothing is dropped here.
 const WAITING: usize = 1 << 16;
@@ -26,7 +26,7 @@ fn read(mut input: BufReader<Box<dyn Read + Send>>, sender: &SyncSender<std::io:
     loop {
         let mut bytes = Vec::new();
         // What is longer comes in pieces, none of which is a sample.
-        match input.by_ref().take(LONGEST_LINE as u64).read_until(b'\n', &mut bytes) {
+        match input.by_ref().take(MAX_LINE_LENGTH as u64).read_until(b'\n', &mut bytes) {
             Ok(0) => return,
             Ok(_) => {
                 let text = String::from_utf8_lossy(&bytes).into_owned();

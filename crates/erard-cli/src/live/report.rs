@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::table::Table;
 
 /// All that is reported of a stream.
-pub(crate) struct Told {
+pub(crate) struct StreamSummary {
     pub stream: String,
     pub keyboard: String,
     pub report: Report,
@@ -19,7 +19,7 @@ pub(crate) struct Told {
     pub latency: Option<Latency>,
 }
 
-impl Told {
+impl StreamSummary {
     pub(crate) fn json(&self) -> Result<Value, Failure> {
         let first = self.first_malformed.as_ref().map(|(line, what)| json!({"line": line, "what": what}));
         let mut all = json!({

@@ -8,7 +8,7 @@ use super::figures::Drawn;
 use super::shown;
 use super::table::usual_of;
 use super::{Measured, doubts};
-use crate::paper::{Headed, page, picture};
+use crate::paper::{PageHeader, page, picture};
 use crate::table::Table;
 use crate::units::Lengths;
 use maud::{Markup, html};
@@ -29,7 +29,7 @@ pub(crate) fn html(
     measured: &[Measured],
     drawings: &[Drawn],
     figures: &[Drawn],
-    headed: &Headed,
+    page_header: &PageHeader,
     lengths: Lengths,
 ) -> String {
     let names: Vec<&str> = measured.iter().map(|one| one.label.as_str()).collect();
@@ -42,13 +42,13 @@ pub(crate) fn html(
             }
             div {
                 h1 { (title) }
-                @if headed.serial.is_some() || headed.date.is_some() {
+                @if page_header.serial.is_some() || page_header.date.is_some() {
                     p {
-                        @if let Some(serial) = &headed.serial { "Serial " (serial) ". " }
-                        @if let Some(date) = &headed.date { (date) }
+                        @if let Some(serial) = &page_header.serial { "Serial " (serial) ". " }
+                        @if let Some(date) = &page_header.date { (date) }
                     }
                 }
-                @if let Some(note) = &headed.note { p { (note) } }
+                @if let Some(note) = &page_header.note { p { (note) } }
                 p.soft {
                     "Protocol sheet. Everything is measured in simulation, in the way in which a technician measures it. \
                      Grams on the key are gram weights on the key front."
@@ -64,12 +64,12 @@ pub(crate) fn html(
             }
         }
     };
-    page(&format!("{title}: protocol sheet"), &format!("{STYLE}{}", on_every_page(&title, headed)), &body)
+    page(&format!("{title}: protocol sheet"), &format!("{STYLE}{}", on_every_page(&title, page_header)), &body)
 }
 
 /// A style that prints the action's name, and what else identifies it, at the head of every page.
-fn on_every_page(title: &str, headed: &Headed) -> String {
-    let words = [Some(title), headed.serial.as_deref(), headed.date.as_deref()];
+fn on_every_page(title: &str, page_header: &PageHeader) -> String {
+    let words = [Some(title), page_header.serial.as_deref(), page_header.date.as_deref()];
     let words = words.into_iter().flatten().collect::<Vec<_>>().join(" - ");
     // A string of a style sheet, inside an element that ends at its first `</`: everything but letters, digits and
     // blanks by its code.
@@ -82,7 +82,7 @@ fn on_every_page(title: &str, headed: &Headed) -> String {
             quoted += &format!("\\{:06x} ", u32::from(c));
         }
     }
-    format!("@page{{size:{};margin-top:18mm;@top-left{{content:\"{quoted}\";font-size:9pt}}}}", headed.paper)
+    format!("@page{{size:{};margin-top:18mm;@top-left{{content:\"{quoted}\";font-size:9pt}}}}", page_header.paper)
 }
 
 fn flags(one: &Measured, named: bool) -> Markup {

@@ -21,7 +21,7 @@ impl MeasuredRow {
     }
 }
 
-/// What is measured of each where nobody asks for anything else, and how it is headed.
+/// What is measured of each where nobody asks for anything else, and how it is page_header.
 const USUAL: [(&str, &str); 15] = [
     ("down_weight_g", "D g"),
     ("up_weight_g", "U g"),

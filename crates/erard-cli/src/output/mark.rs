@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) const NAME: &str = ".erard.json";
 const FORMAT: &str = "erard-results/1";
 /// Most bytes that are read of it: thousands of names.
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_BYTES: u64 = 1 << 20;
 
 /// Whose results a folder holds.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,7 +63,7 @@ impl Mark {
         // A pipe of this name would be waited for.
         path.symlink_metadata().ok().filter(|found| found.is_file())?;
         let mut text = String::new();
-        fs::File::open(path).ok()?.take(MOST_BYTES).read_to_string(&mut text).ok()?;
+        fs::File::open(path).ok()?.take(MAX_BYTES).read_to_string(&mut text).ok()?;
         let mark: Mark = serde_json::from_str(&text).ok()?;
         (mark.format == FORMAT && mark.results.values().flatten().all(|name| is_plain(name))).then_some(mark)
     }

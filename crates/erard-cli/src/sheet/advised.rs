@@ -3,12 +3,12 @@
 use erard_workshop::worklist::Worklist;
 
 use crate::measure::Measured;
-use crate::paper::Headed;
+use crate::paper::PageHeader;
 use crate::units::Lengths;
 
 /// An action with what to do about it.
 #[derive(Debug)]
-pub(crate) struct Advised<'a> {
+pub(crate) struct AdvisedInstrument<'a> {
     /// The action, and what was measured.
     pub measured: &'a Measured,
     /// What to do.
@@ -16,7 +16,7 @@ pub(crate) struct Advised<'a> {
     /// A drawing of it.
     pub drawing: String,
     /// What stands at the head.
-    pub headed: &'a Headed,
+    pub page_header: &'a PageHeader,
     /// How lengths are shown.
     pub lengths: Lengths,
 }

@@ -4,20 +4,20 @@ mod advised;
 mod page;
 mod words;
 
-pub(crate) use advised::{Advised, Task};
+pub(crate) use advised::{AdvisedInstrument, Task};
 pub(crate) use page::html;
 pub(crate) use words::{ORDER, beyond, in_the_end, left, tasks};
 
-use erard_workshop::worklist::Quantity;
+use erard_workshop::worklist::ReadingQuantity;
 
 use crate::table::Table;
 use crate::units::Lengths;
 use words::{name, reading, readings};
 
 /// Every line that work can set, before and after the list, as text.
-pub(crate) fn before_and_after(one: &Advised<'_>) -> String {
+pub(crate) fn before_and_after(one: &AdvisedInstrument<'_>) -> String {
     let (list, lengths) = (&one.list, one.lengths);
-    let rows = Quantity::ALL.into_iter().map(|quantity| {
+    let rows = ReadingQuantity::ALL.into_iter().map(|quantity| {
         let cell = |readings| {
             let mark = if list.is_out(quantity, readings) { " !" } else { "" };
             format!("{}{mark}", reading(quantity, readings, lengths))
@@ -33,17 +33,17 @@ pub(crate) fn before_and_after(one: &Advised<'_>) -> String {
 }
 
 /// sheet.json.
-pub(crate) fn report(one: &Advised<'_>) -> serde_json::Value {
-    let (sheet, headed) = (&one.measured.sheet, one.headed);
+pub(crate) fn report(one: &AdvisedInstrument<'_>) -> serde_json::Value {
+    let (sheet, page_header) = (&one.measured.sheet, one.page_header);
     let mut out: Vec<&str> = sheet.flags.iter().map(|flag| flag.key).collect();
     out.dedup();
     let stays = one.list.left.iter().zip(left(&one.list, Lengths::default()));
     serde_json::json!({
         "instrument": one.measured.label,
         "norms_for_key": sheet.norms_for_key,
-        "serial": headed.serial,
-        "date": headed.date,
-        "note": headed.note,
+        "serial": page_header.serial,
+        "date": page_header.date,
+        "note": page_header.note,
         "out_of_the_norm": out,
         "tasks": tasks(one),
         "readings_before": readings(&one.list.before),

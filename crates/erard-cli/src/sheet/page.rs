@@ -3,10 +3,10 @@
 use erard::keyboard::note_name;
 use erard_workshop::measure::norms::lines;
 use erard_workshop::regulate::{CAPSTAN_THREAD_M, SMALL_THREAD_M};
-use erard_workshop::worklist::Quantity;
+use erard_workshop::worklist::ReadingQuantity;
 use maud::{Markup, html};
 
-use super::{Advised, ORDER, beyond, in_the_end, left, tasks};
+use super::{AdvisedInstrument, ORDER, beyond, in_the_end, left, tasks};
 use crate::measure::{shown, usual};
 use crate::paper::{page, picture};
 use crate::table::Table;
@@ -53,27 +53,27 @@ const PLAYING: [Value; 3] = [
 ];
 
 /// A page for every action.
-pub(crate) fn html(all: &[Advised<'_>]) -> String {
+pub(crate) fn html(all: &[AdvisedInstrument<'_>]) -> String {
     let names: Vec<&str> = all.iter().map(|one| one.measured.label.as_str()).collect();
-    let paper = all.first().map_or("A4", |one| one.headed.paper);
+    let paper = all.first().map_or("A4", |one| one.page_header.paper);
     let title = format!("{}: technician's sheet", names.join(", "));
     let style = format!("{STYLE}@page{{size:{paper}}}section+section{{break-before:page}}{COLUMNS}");
     page(&title, &style, &html! { @for one in all { (sheet(one)) } })
 }
 
-fn sheet(one: &Advised<'_>) -> Markup {
-    let (measured, headed) = (one.measured, one.headed);
+fn sheet(one: &AdvisedInstrument<'_>) -> Markup {
+    let (measured, page_header) = (one.measured, one.page_header);
     let out = measured.sheet.flags.len();
     html! {
         section.one-page {
             header {
                 h1 { (measured.label) }
                 dl {
-                    div { dt { "serial" } dd { (headed.serial.as_deref().unwrap_or("")) } }
-                    div { dt { "date" } dd { (headed.date.as_deref().unwrap_or("")) } }
+                    div { dt { "serial" } dd { (page_header.serial.as_deref().unwrap_or("")) } }
+                    div { dt { "date" } dd { (page_header.date.as_deref().unwrap_or("")) } }
                 }
             }
-            @if let Some(note) = &headed.note { p.note { (note) } }
+            @if let Some(note) = &page_header.note { p.note { (note) } }
             p.soft {
                 "Usual ranges are those of " (note_name(measured.sheet.norms_for_key))
                 " (key " (measured.sheet.norms_for_key) "). "
@@ -103,10 +103,10 @@ fn pitch(metres: f64, lengths: Lengths) -> String {
     lengths.text(metres * 1e3, 2)
 }
 
-fn values(heading: &str, values: &[Value], one: &Advised<'_>) -> Markup {
+fn values(heading: &str, values: &[Value], one: &AdvisedInstrument<'_>) -> Markup {
     let sheet = &one.measured.sheet;
     let found = |key: &str| lines().find(|line| line.key == key);
-    let after = |key: &str| Quantity::ALL.into_iter().find(|quantity| quantity.key() == key);
+    let after = |key: &str| ReadingQuantity::ALL.into_iter().find(|quantity| quantity.key() == key);
     let has_after = !one.list.items.is_empty() && values.iter().any(|(key, _)| after(key).is_some());
     html! {
         table {
@@ -134,7 +134,7 @@ fn values(heading: &str, values: &[Value], one: &Advised<'_>) -> Markup {
     }
 }
 
-fn to_do(one: &Advised<'_>) -> Markup {
+fn to_do(one: &AdvisedInstrument<'_>) -> Markup {
     let tasks = tasks(one);
     let stays = left(&one.list, one.lengths);
     let only_flags = tasks.is_empty() && !one.measured.sheet.flags.is_empty();

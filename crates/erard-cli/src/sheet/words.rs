@@ -2,9 +2,9 @@
 
 use erard_workshop::measure::Sheet;
 use erard_workshop::regulate::{Handwork, known_screw, turns_text};
-use erard_workshop::worklist::{Item, Quantity, Readings, Why, Work, Worklist};
+use erard_workshop::worklist::{Item, ReadingQuantity, Readings, Why, Work, Worklist};
 
-use super::{Advised, Task};
+use super::{AdvisedInstrument, Task};
 use crate::table::decimal;
 use crate::units::Lengths;
 
@@ -12,7 +12,7 @@ use crate::units::Lengths;
 pub(crate) const ORDER: &str = "each line after the ones before it, until it reads what the line says";
 
 /// What to do, in the order of work.
-pub(crate) fn tasks(one: &Advised<'_>) -> Vec<Task> {
+pub(crate) fn tasks(one: &AdvisedInstrument<'_>) -> Vec<Task> {
     let list = &one.list;
     let mut tasks: Vec<Task> = list.items.iter().map(|item| task(item, one)).collect();
     if let Some(task) = list.aftertouch_is_decided_by().and_then(|last| tasks.get_mut(last)) {
@@ -31,7 +31,7 @@ pub(crate) fn in_the_end(list: &Worklist) -> Option<&'static str> {
 
 /// What stays out of its range, and why: a line each.
 pub(crate) fn left(list: &Worklist, lengths: Lengths) -> Vec<String> {
-    let line = |quantity: Quantity, why: &Why| {
+    let line = |quantity: ReadingQuantity, why: &Why| {
         let reads = reading(quantity, &list.after, lengths);
         format!("{} {reads}: {}", name(quantity), why_words(quantity, why))
     };
@@ -43,7 +43,7 @@ pub(crate) fn left(list: &Worklist, lengths: Lengths) -> Vec<String> {
 pub(crate) fn beyond(sheet: &Sheet) -> Vec<String> {
     let is_worked_on = |key: &str| {
         const READ_OTHERWISE: [&str; 3] = ["by_slow_loop.", "dampers_down.", "strike_weight_ratio_"];
-        Quantity::ALL.iter().any(|quantity| quantity.key() == key)
+        ReadingQuantity::ALL.iter().any(|quantity| quantity.key() == key)
             || READ_OTHERWISE.iter().any(|other| key.starts_with(other))
     };
     let others = sheet.flags.iter().filter(|flag| !is_worked_on(flag.key));
@@ -66,7 +66,7 @@ fn comes_from(key: &str) -> &'static str {
     }
 }
 
-fn task(item: &Item, one: &Advised<'_>) -> Task {
+fn task(item: &Item, one: &AdvisedInstrument<'_>) -> Task {
     let lengths = one.lengths;
     let from_to = format!(
         "{} from {} to {}",
@@ -77,7 +77,7 @@ fn task(item: &Item, one: &Advised<'_>) -> Task {
     let for_ = match item.work {
         Work::FrontWeight { .. } | Work::Hammer { .. } => {
             let weight = |quantity| reading(quantity, &item.after, lengths);
-            format!("{from_to}; D {}, U {}", weight(Quantity::DownWeight), weight(Quantity::UpWeight))
+            format!("{from_to}; D {}, U {}", weight(ReadingQuantity::DownWeight), weight(ReadingQuantity::UpWeight))
         }
         _ => from_to,
     };
@@ -96,35 +96,35 @@ fn task(item: &Item, one: &Advised<'_>) -> Task {
 
 /// Every reading, by the sheet's keys.
 pub(super) fn readings(readings: &Readings) -> serde_json::Value {
-    let value = |quantity: Quantity| (quantity.key().to_owned(), readings.get(quantity).into());
-    serde_json::Value::Object(Quantity::ALL.into_iter().map(value).collect())
+    let value = |quantity: ReadingQuantity| (quantity.key().to_owned(), readings.get(quantity).into());
+    serde_json::Value::Object(ReadingQuantity::ALL.into_iter().map(value).collect())
 }
 
 /// A reading with its unit.
-pub(super) fn reading(quantity: Quantity, readings: &Readings, lengths: Lengths) -> String {
+pub(super) fn reading(quantity: ReadingQuantity, readings: &Readings, lengths: Lengths) -> String {
     crate::measure::shown(quantity.line(), readings.get(quantity), lengths)
 }
 
 /// What the bench calls a line.
-pub(super) fn name(quantity: Quantity) -> &'static str {
+pub(super) fn name(quantity: ReadingQuantity) -> &'static str {
     match quantity {
-        Quantity::DownWeight => "down-weight",
-        Quantity::UpWeight => "up-weight",
-        Quantity::BalanceWeight => "balance weight",
-        Quantity::FrictionWeight => "friction",
-        Quantity::StrikeWeight => "strike weight",
-        Quantity::FrontWeight => "front weight",
-        Quantity::Ratio => "leverage",
-        Quantity::Dip => "dip",
-        Quantity::Blow => "blow",
-        Quantity::JackPosition => "jack position",
-        Quantity::LeverHeight => "lever height",
-        Quantity::LetOff => "let-off",
-        Quantity::Drop => "drop",
-        Quantity::Aftertouch => "aftertouch",
-        Quantity::Check => "check",
-        Quantity::Spring => "rise from the check",
-        Quantity::Damper => "damper start",
+        ReadingQuantity::DownWeight => "down-weight",
+        ReadingQuantity::UpWeight => "up-weight",
+        ReadingQuantity::BalanceWeight => "balance weight",
+        ReadingQuantity::FrictionWeight => "friction",
+        ReadingQuantity::StrikeWeight => "strike weight",
+        ReadingQuantity::FrontWeight => "front weight",
+        ReadingQuantity::Ratio => "leverage",
+        ReadingQuantity::Dip => "dip",
+        ReadingQuantity::Blow => "blow",
+        ReadingQuantity::JackPosition => "jack position",
+        ReadingQuantity::LeverHeight => "lever height",
+        ReadingQuantity::LetOff => "let-off",
+        ReadingQuantity::Drop => "drop",
+        ReadingQuantity::Aftertouch => "aftertouch",
+        ReadingQuantity::Check => "check",
+        ReadingQuantity::Spring => "rise from the check",
+        ReadingQuantity::Damper => "damper start",
     }
 }
 
@@ -187,10 +187,10 @@ fn how_far(item: &Item, list: &Worklist, lengths: Lengths) -> String {
                     format!("tilt it {:.0}° ({way})", amount.abs().to_degrees())
                 }
                 // A wire is bent until the hammer is caught where it should be: nobody sees how far it went.
-                Some(Handwork::Bent) if item.quantity == Quantity::Check => {
+                Some(Handwork::Bent) if item.quantity == ReadingQuantity::Check => {
                     let caught = format!("bend it {way} until it catches the hammer");
-                    let at = reading(Quantity::Check, &item.after, lengths);
-                    match [&item.before, &item.after].map(|readings| readings.get(Quantity::Check)) {
+                    let at = reading(ReadingQuantity::Check, &item.after, lengths);
+                    match [&item.before, &item.after].map(|readings| readings.get(ReadingQuantity::Check)) {
                         [Some(before), Some(after)] if after > before => {
                             format!("{caught} at {at}, or as near to that as it still catches")
                         }
@@ -214,7 +214,7 @@ fn screw_words(name: &str) -> String {
     known_screw(name).map_or_else(|| name.replace('_', " "), |known| known.part.to_owned())
 }
 
-fn why_words(quantity: Quantity, why: &Why) -> String {
+fn why_words(quantity: ReadingQuantity, why: &Why) -> String {
     let screws = |names: &[&'static str]| names.iter().map(|name| screw_words(name)).collect::<Vec<_>>().join(", ");
     match why {
         Why::TooFine => "the correction is less than a hand can do or a scale can show".to_owned(),
@@ -226,7 +226,7 @@ fn why_words(quantity: Quantity, why: &Why) -> String {
             "other lines change it by an uncertain amount; read it in the end, and set it if it is out".to_owned()
         }
         Why::ReadAgain => "other lines change it by an uncertain amount; read it again after this list".to_owned(),
-        Why::Unreadable if [Quantity::Check, Quantity::Spring].contains(&quantity) => {
+        Why::Unreadable if [ReadingQuantity::Check, ReadingQuantity::Spring].contains(&quantity) => {
             "it cannot be read before the check catches the hammer; measure again after this list".to_owned()
         }
         Why::Unreadable => "it cannot be known before the hammer drops; measure again after this list".to_owned(),
@@ -239,7 +239,7 @@ fn why_words(quantity: Quantity, why: &Why) -> String {
             "with this friction no balance weight brings both down-weight and up-weight into range".to_owned()
         }
         Why::Ceiling => "the key carries as much lead as it should; use lighter hammers or less leverage".to_owned(),
-        Why::Follows if quantity == Quantity::FrontWeight => {
+        Why::Follows if quantity == ReadingQuantity::FrontWeight => {
             "above its ceiling, and the weights leave no room for less lead: use lighter hammers or less leverage"
                 .to_owned()
         }
@@ -261,47 +261,47 @@ mod tests {
     fn work_is_done_until_a_reading() {
         let grand = Instrument::builtin("concert-grand").unwrap();
         let mut before = Readings::of(&grand, &mut |_| true).unwrap();
-        before.set(Quantity::FrontWeight, Some(20.0));
-        before.set(Quantity::Check, Some(15.0));
+        before.set(ReadingQuantity::FrontWeight, Some(20.0));
+        before.set(ReadingQuantity::Check, Some(15.0));
         let mut after = before;
-        after.set(Quantity::DownWeight, Some(48.6));
-        after.set(Quantity::UpWeight, Some(25.4));
-        after.set(Quantity::Check, Some(13.14));
+        after.set(ReadingQuantity::DownWeight, Some(48.6));
+        after.set(ReadingQuantity::UpWeight, Some(25.4));
+        after.set(ReadingQuantity::Check, Some(13.14));
         let list = Worklist { key: 40, before, items: vec![], after, left: vec![], copy: grand };
-        let said = |quantity: Quantity, work: Work, after: Readings| {
+        let said = |quantity: ReadingQuantity, work: Work, after: Readings| {
             how_far(&Item { quantity, work, instead: None, before, after }, &list, Lengths::default())
         };
-        let friction = said(Quantity::FrictionWeight, Work::Friction { by_g: -4.3 }, after);
+        let friction = said(ReadingQuantity::FrictionWeight, Work::Friction { by_g: -4.3 }, after);
         assert_eq!(friction, "ease it until D is 49 g and U 25 g (key bushings, centre pins, knuckle)");
         let lead = |at_mm: f64| Lead { mass_g: 14.0, at_mm };
         let moved = LeadWork { out: vec![lead(164.0)], put: vec![lead(120.0)], ..Default::default() };
-        let leads = said(Quantity::BalanceWeight, Work::Leads(moved.clone()), after);
+        let leads = said(ReadingQuantity::BalanceWeight, Work::Leads(moved.clone()), after);
         let once = "move 14 g from 164 mm to 120 mm";
         assert_eq!(
             leads,
             format!("{once}; before you drill, lay it on the key and shift it until D is 49 g and U 25 g")
         );
         // 14 g at the key's front are 14 g of front weight: 0.7 g under the ceiling are a twentieth of its front arm.
-        let ceiling_g = Quantity::FrontWeight.line().range(list.key)[1].unwrap();
-        after.set(Quantity::FrontWeight, Some(ceiling_g - 0.7));
-        let near = said(Quantity::BalanceWeight, Work::Leads(moved.clone()), after);
+        let ceiling_g = ReadingQuantity::FrontWeight.line().range(list.key)[1].unwrap();
+        after.set(ReadingQuantity::FrontWeight, Some(ceiling_g - 0.7));
+        let near = said(ReadingQuantity::BalanceWeight, Work::Leads(moved.clone()), after);
         let most_mm = (0.05 * front_mm(&list.copy)).floor();
         assert_eq!(near, format!("{leads}, but at most {most_mm} mm farther out"));
-        after.set(Quantity::FrontWeight, Some(ceiling_g));
-        let at_the_ceiling = said(Quantity::BalanceWeight, Work::Leads(moved.clone()), after);
+        after.set(ReadingQuantity::FrontWeight, Some(ceiling_g));
+        let at_the_ceiling = said(ReadingQuantity::BalanceWeight, Work::Leads(moved.clone()), after);
         assert_eq!(at_the_ceiling, format!("{leads}, but no farther out"));
         // A lead that comes out is not laid anywhere.
-        let out = said(Quantity::BalanceWeight, Work::Leads(LeadWork { put: vec![], ..moved }), after);
+        let out = said(ReadingQuantity::BalanceWeight, Work::Leads(LeadWork { put: vec![], ..moved }), after);
         assert_eq!(out, "out 14 g at 164 mm");
         let wire = Work::Screw { name: "back_check", by: 3e-4 };
-        let check = said(Quantity::Check, wire.clone(), after);
+        let check = said(ReadingQuantity::Check, wire.clone(), after);
         assert!(check.ends_with("until it catches the hammer at 13.1 mm"), "{check}");
-        after.set(Quantity::Check, Some(16.0));
-        let farther = said(Quantity::Check, wire.clone(), after);
+        after.set(ReadingQuantity::Check, Some(16.0));
+        let farther = said(ReadingQuantity::Check, wire.clone(), after);
         let nearest = "until it catches the hammer at 16.0 mm, or as near to that as it still catches";
         assert!(farther.ends_with(nearest), "{farther}");
-        after.set(Quantity::Check, None);
-        let caught = said(Quantity::Check, wire, after);
+        after.set(ReadingQuantity::Check, None);
+        let caught = said(ReadingQuantity::Check, wire, after);
         assert!(caught.ends_with("until it catches the hammer"), "{caught}");
     }
 }

@@ -7,7 +7,7 @@ use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash, subtitled_chart
 use erard_workshop::study::{Axis, Row};
 
 /// More curves than this cannot be distinguished.
-const MOST_CURVES: usize = 6;
+const MAX_CURVES: usize = 6;
 
 /// A quantity of a panel, with its unit.
 type Quantity = (&'static str, fn(&Events) -> Option<f64>);
@@ -36,7 +36,7 @@ pub(crate) fn figure(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Picture
 fn chart(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Chart> {
     let (first, others) = axes.split_first()?;
     let curves: usize = others.iter().map(|axis| axis.shown.len()).product();
-    if first.shown.len() < 2 || curves > MOST_CURVES {
+    if first.shown.len() < 2 || curves > MAX_CURVES {
         return None;
     }
     let label = |k: usize| {

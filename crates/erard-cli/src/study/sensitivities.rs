@@ -6,8 +6,8 @@ use erard_figures::Picture;
 use erard_figures::figure::{Bar, Tornado, TornadoPanel, tornado_picture};
 use erard_workshop::cores;
 use erard_workshop::sensitivities::{
-    Mark, Quantity, Rest, Sensitivities, Sensitivity, SensitivityError, USUAL, Variable, VariableError, quantities,
-    sensitivities,
+    Mark, Rest, Sensitivities, Sensitivity, SensitivityError, SensitivityOutcome, USUAL, Variable, VariableError,
+    quantities, sensitivities,
 };
 use serde_json::{Value, json};
 
@@ -16,16 +16,16 @@ use crate::session::Session;
 use crate::table::{Table, three};
 
 /// Bars of a panel of the figure.
-const MOST_BARS: usize = 14;
+const MAX_BARS: usize = 14;
 
 /// What is differentiated: the keys asked for, or the usual ones.
 ///
 /// # Errors
 /// A key that does not exist.
-pub(crate) fn wanted(keys: &[String]) -> Result<Vec<Quantity>, Failure> {
+pub(crate) fn wanted(keys: &[String]) -> Result<Vec<SensitivityOutcome>, Failure> {
     let all = quantities();
     let asked: Vec<&str> = if keys.is_empty() { USUAL.to_vec() } else { keys.iter().map(String::as_str).collect() };
-    let mut found: Vec<Quantity> = Vec::new();
+    let mut found: Vec<SensitivityOutcome> = Vec::new();
     for key in asked {
         let Some(one) = all.iter().find(|one| one.key == key) else {
             let known: Vec<&str> = all.iter().map(|one| one.key).collect();
@@ -75,7 +75,7 @@ pub(crate) fn find<'a>(
     session: &Session,
     instrument: &Instrument,
     by: Vec<Variable>,
-    of: Vec<Quantity>,
+    of: Vec<SensitivityOutcome>,
     stroke: &(dyn Fn() -> erard_workshop::study::Stroke<'a> + Sync),
     setup: &Setup,
     rest: Rest,
@@ -140,7 +140,7 @@ fn usual(variable: &Variable) -> String {
     format!("{} {}", three(variable.usual), variable.per)
 }
 
-fn shown(quantity: &Quantity, x: f64) -> f64 {
+fn shown(quantity: &SensitivityOutcome, x: f64) -> f64 {
     if quantity.thousandths { 1e3 * x } else { x }
 }
 
@@ -159,7 +159,7 @@ pub(crate) fn figure(all: &Sensitivities, title: &str) -> Picture {
             .rows
             .iter()
             .filter(|one| one.of == k && one.effect(all).is_finite() && one.effect(all) != 0.0)
-            .take(MOST_BARS)
+            .take(MAX_BARS)
             .map(|one| {
                 let variable = &all.by[one.by];
                 Bar {

@@ -7,11 +7,11 @@ use erard_workshop::digits::plain;
 use super::Table;
 
 /// The widest that a table is printed, characters; [`USUAL`] wherever it can be.
-pub(crate) const WIDEST: usize = 100;
+pub(crate) const MAX_WIDTH: usize = 100;
 /// The width of text, and of tables that fit, characters: a terminal's.
 pub(crate) const USUAL: usize = 80;
-/// The narrowest that a column of words is wrapped to, so that a table is as wide as [`USUAL`], and as [`WIDEST`].
-const NARROWEST: [(usize, usize); 4] = [(USUAL, 32), (USUAL, 22), (WIDEST, 24), (WIDEST, 12)];
+/// The narrowest that a column of words is wrapped to, so that a table is as wide as [`USUAL`], and as [`MAX_WIDTH`].
+const NARROWEST: [(usize, usize); 4] = [(USUAL, 32), (USUAL, 22), (MAX_WIDTH, 24), (MAX_WIDTH, 12)];
 
 /// A column as people see it.
 pub(super) struct Shown<'t> {
@@ -165,7 +165,7 @@ impl fmt::Display for Table<'_> {
         }
         (0..self.rows()).try_for_each(|at| {
             if is_heading(&columns, at) {
-                return row(vec![lines(&columns[0].cells[at], WIDEST - 2)], false);
+                return row(vec![lines(&columns[0].cells[at], MAX_WIDTH - 2)], false);
             }
             row(columns.iter().zip(&widths).map(|(column, &width)| lines(&column.cells[at], width)).collect(), false)
         })

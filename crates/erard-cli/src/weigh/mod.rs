@@ -15,7 +15,7 @@ pub(crate) use text::{again_text, text};
 use erard_workshop::balance::{Checked, Lead, LeadWork, MeasuredKey};
 use erard_workshop::worklist::KeyboardList;
 
-use crate::paper::Headed;
+use crate::paper::PageHeader;
 use crate::units::Lengths;
 
 /// A list with what belongs to its pages.
@@ -32,7 +32,7 @@ pub(crate) struct Work<'a> {
     /// The keys weighed again on copies on which the list was carried out, where that was asked for.
     pub again: Option<&'a [MeasuredKey]>,
     /// What stands at the head of the page.
-    pub headed: &'a Headed,
+    pub page_header: &'a PageHeader,
     /// How lengths are shown.
     pub lengths: Lengths,
 }

@@ -11,21 +11,21 @@ const STYLE: &str = include_str!("../paper.css");
 
 /// The page: head, the list operation by operation with boxes to tick, remarks, readings, figure.
 pub(crate) fn html(work: &Work<'_>, figure: &str) -> String {
-    let headed = work.headed;
+    let page_header = work.page_header;
     let title = format!("{}: work list", work.file);
     let phone = "@media screen and (max-width:40rem){.wide table.list{min-width:34rem}}";
-    let style = format!("{STYLE}{phone}@page{{size:{}}}", headed.paper);
+    let style = format!("{STYLE}{phone}@page{{size:{}}}", page_header.paper);
     let sections = sections(work);
     let body = html! {
         header {
             h1 { "Work list: " (work.file) }
             dl {
-                div { dt { "serial" } dd { (headed.serial.as_deref().unwrap_or("")) } }
-                div { dt { "date" } dd { (headed.date.as_deref().unwrap_or("")) } }
+                div { dt { "serial" } dd { (page_header.serial.as_deref().unwrap_or("")) } }
+                div { dt { "date" } dd { (page_header.date.as_deref().unwrap_or("")) } }
                 div { dt { "not weighed: as in" } dd { (work.name) } }
             }
         }
-        @if let Some(note) = &headed.note { p.note { (note) } }
+        @if let Some(note) = &page_header.note { p.note { (note) } }
         @for remark in remarks(work) { p { (remark) } }
         @if sections.is_empty() { p { "Nothing to do." } }
         @for (at, section) in sections.iter().enumerate() {

@@ -13,7 +13,7 @@ pub(super) const LINE: f64 = 6.0;
 /// Width of an average letter against its height.
 const LETTER: f64 = 0.6;
 /// Most numbers that are marked in a picture.
-const MOST: usize = 9;
+const MAX_LABELS: usize = 9;
 
 /// A number whose note speaks of what it was before it was changed.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,7 +83,7 @@ pub(crate) fn changed_marks(instrument: &Instrument, changed: &[ChangedNote], pl
     let drawn = instrument.drawn();
     let mut marks = Vec::new();
     let mut taken: Vec<Vec2> = Vec::new();
-    for (index, note) in changed.iter().enumerate().take(MOST) {
+    for (index, note) in changed.iter().enumerate().take(MAX_LABELS) {
         let Some((body, point_m)) = note.place else { continue };
         let drawn_m = body.map_or(point_m, |body| drawn[body].to_world(point_m));
         let carrier = body.map_or(Carrier::Ground, |body| Carrier::Point { body, point_m, drawn_m, is_guided: false });
@@ -106,7 +106,7 @@ pub(crate) fn changed_marks(instrument: &Instrument, changed: &[ChangedNote], pl
 pub(super) fn lines(changed: &[ChangedNote], width: f64) -> Vec<String> {
     let room = ((width / (LETTER * SIZE)) as usize).max(20);
     let mut lines: Vec<String> = Vec::new();
-    for (index, note) in changed.iter().enumerate().take(MOST) {
+    for (index, note) in changed.iter().enumerate().take(MAX_LABELS) {
         let mut line = format!("changed ({}):", index + 1);
         for word in note.text.split(' ') {
             if line.chars().count() + 1 + word.chars().count() > room {
@@ -117,8 +117,8 @@ pub(super) fn lines(changed: &[ChangedNote], width: f64) -> Vec<String> {
         }
         lines.push(line);
     }
-    if changed.len() > MOST {
-        lines.push(format!("and {} more: erard check names them", changed.len() - MOST));
+    if changed.len() > MAX_LABELS {
+        lines.push(format!("and {} more: erard check names them", changed.len() - MAX_LABELS));
     }
     lines
 }

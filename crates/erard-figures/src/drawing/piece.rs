@@ -1,7 +1,7 @@
 //! The pieces of a picture: outlines, the body that carries each, and its material.
 
 use super::material::Finish;
-use erard::instrument::{Instrument, Part, Placement, Vec2};
+use erard::instrument::{DrawnPart, Instrument, Placement, Vec2};
 
 /// One outline of the picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Piece {
 
 impl Piece {
     /// A part that the instrument file draws itself.
-    pub(crate) fn of_file(part: &Part) -> Self {
+    pub(crate) fn of_file(part: &DrawnPart) -> Self {
         Piece {
             name: part.name.clone(),
             carrier: part.body.map_or(Carrier::Ground, Carrier::Body),

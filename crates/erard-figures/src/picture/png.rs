@@ -9,7 +9,7 @@ use super::face::face;
 use super::{Anchor, Clip, Geometry, Gradient, Group, Head, Look, Node, Paint, Picture, Segment, Shape, Turn, Words};
 
 /// Largest width and height of a PNG, px.
-const LARGEST_SIDE: f64 = 16_384.0;
+const MAX_SIDE: f64 = 16_384.0;
 /// Height of letters where nothing is said, px.
 const LETTERS: f64 = 12.0;
 
@@ -44,7 +44,7 @@ impl std::error::Error for PngError {}
 pub(super) fn png(picture: &Picture, scale: f64) -> Result<Vec<u8>, PngError> {
     let head = &picture.head;
     let [width, height] = head.size_px.map(|side| (side * scale).round());
-    let possible = 1.0..=LARGEST_SIDE;
+    let possible = 1.0..=MAX_SIDE;
     if !possible.contains(&width) || !possible.contains(&height) {
         return Err(PngError::Size { width, height });
     }

@@ -1,7 +1,9 @@
 //! A mechanism that is no piano, for tests: a lever on the ground carrying a smaller one over a felt.
 
 use erard::Impact;
-use erard::instrument::{Body, Curve, Felt, Finger, Instrument, InstrumentFields, Material, Origin, Part, Roles, Zone};
+use erard::instrument::{
+    Body, Curve, DrawnPart, Felt, Finger, Instrument, InstrumentFields, Material, Origin, Roles, Zone,
+};
 use erard::player;
 use erard::run::{BodySeries, Run};
 use erard::run::{Setup, simulate};
@@ -58,7 +60,7 @@ pub(crate) fn two_levers() -> Instrument {
 pub(crate) fn two_levers_drawn() -> Instrument {
     let mut instrument = two_levers();
     instrument.rename("Two <levers> & \"more\" </script>");
-    let part = Part {
+    let part = DrawnPart {
         name: "stick </script><b>".into(),
         body: Some(0),
         material: Material::Wood,

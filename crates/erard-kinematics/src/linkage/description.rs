@@ -32,8 +32,8 @@ ids! {
     LengthId in "[`Linkage::lengths`]";
     /// Identifier of a constant angle.
     AngleId in "[`Linkage::angles`]";
-    /// Identifier of a coordinate of a [`Mechanism`](super::Mechanism).
-    CoordinateId in "[`Mechanism::coordinates`](super::Mechanism::coordinates), in a pose's values and in rates";
+    /// Identifier of a coordinate of a [`LinkageMechanism`](super::LinkageMechanism).
+    CoordinateId in "[`LinkageMechanism::coordinates`](super::LinkageMechanism::coordinates), in a pose's values and in rates";
 }
 
 /// Signed coordinate of a point: zero, or plus or minus a constant length.

@@ -33,7 +33,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Returns all values, in the order of [`Mechanism::coordinates`].
+    /// Returns all values, in the order of [`LinkageMechanism::coordinates`].
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
@@ -91,7 +91,7 @@ pub enum AssembleError {
 
 /// A linkage with its graph, its coordinates and its closure equations.
 #[derive(Clone, Debug)]
-pub struct Mechanism {
+pub struct LinkageMechanism {
     linkage: Linkage,
     graph: LinearGraph,
     coordinates: Vec<Coordinate>,
@@ -111,13 +111,13 @@ impl Linkage {
     ///
     /// # Errors
     /// Returns the first fault found, with the user's names. It does not check whether the equations can be *solved*;
-    /// see [`Mechanism::mobility`].
-    pub fn assemble(self) -> Result<Mechanism, AssembleError> {
-        Mechanism::new(self)
+    /// see [`LinkageMechanism::mobility`].
+    pub fn assemble(self) -> Result<LinkageMechanism, AssembleError> {
+        LinkageMechanism::new(self)
     }
 }
 
-impl Mechanism {
+impl LinkageMechanism {
     fn new(linkage: Linkage) -> Result<Self, AssembleError> {
         check(&linkage)?;
         let graph = LinearGraph::new(&linkage).map_err(|point| {
@@ -182,7 +182,7 @@ impl Mechanism {
             .collect();
         let point_terms: Vec<&[Term]> = point_terms.iter().map(Vec::as_slice).collect();
         let points = VectorSums::new(&linkage, &places, scale, &point_terms);
-        Ok(Mechanism {
+        Ok(LinkageMechanism {
             graph,
             coordinates,
             angles,
@@ -256,8 +256,8 @@ impl Mechanism {
         Pose { values: vec![0.0; self.coordinates.len()] }
     }
 
-    /// Returns the largest residual of the closure equations at `pose`, over [`Mechanism::scale`]: a dimensionless
-    /// number.
+    /// Returns the largest residual of the closure equations at `pose`, over [`LinkageMechanism::scale`]: a
+    /// dimensionless number.
     #[must_use]
     pub fn residual(&self, pose: &Pose) -> f64 {
         let (sums, _) = self.sums(&self.loops, self.closures.len(), pose);
@@ -295,7 +295,7 @@ impl Mechanism {
     }
 
     /// Returns the Jacobian of the closure equations at `pose`, row-major, one row per equation and one column per
-    /// coordinate. It is dimensionless (angles per radian, slidings per [`Mechanism::scale`]).
+    /// coordinate. It is dimensionless (angles per radian, slidings per [`LinkageMechanism::scale`]).
     #[must_use]
     pub fn jacobian(&self, pose: &Pose) -> Vec<f64> {
         self.sums(&self.loops, self.closures.len(), pose).1

@@ -5,7 +5,7 @@ use std::fmt;
 
 use super::description::CoordinateId;
 use super::equation::Axis;
-use super::mechanism::{Mechanism, Pose};
+use super::mechanism::{LinkageMechanism, Pose};
 
 /// Vectors whose part outside the others is shorter than this (relative to the
 /// longest) count as dependent. Poses are solved to 1e-14, and a pose within
@@ -124,7 +124,7 @@ fn dependence(vectors: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
     found
 }
 
-impl Mechanism {
+impl LinkageMechanism {
     /// Returns degrees of freedom, redundant equations, free and excess coordinates at `pose`. The pose should be a
     /// solved one: elsewhere redundant equations look independent.
     #[must_use]

@@ -25,7 +25,7 @@ pub use description::{
 pub use direction::Direction;
 pub use equation::{Axis, Equation, EquationTerm, Trig, latex_align};
 pub use graph::{Circuit, Edge, EdgeKind, LinearGraph, Traversal};
-pub use mechanism::{AssembleError, Coordinate, CoordinateKind, Mechanism, Pose};
+pub use mechanism::{AssembleError, Coordinate, CoordinateKind, LinkageMechanism, Pose};
 pub use mobility::{Mobility, Redundancy, Verdict};
-pub use newton::{MOST_ITERATIONS, NewtonReport, Outcome, TOLERANCE};
+pub use newton::{MAX_ITERATIONS, NewtonOutcome, NewtonReport, TOLERANCE};
 pub use walk::{StartError, Stop, StopKind, Sweep, SweptPose, Walk};

@@ -1,7 +1,7 @@
 //! Newton-Raphson on the closure equations, without memory allocation.
 
 use super::elimination::Elimination;
-use super::mechanism::{Mechanism, Pose, largest};
+use super::mechanism::{LinkageMechanism, Pose, largest};
 
 /// Residual (over the largest length) below which a pose counts as solved.
 ///
@@ -14,7 +14,7 @@ const PROMISE: f64 = 1e-12;
 
 /// Largest number of Newton steps. From a fair guess 4 to 6 are needed; near a dead centre, where convergence is linear
 /// (one bit per step), up to 25.
-pub const MOST_ITERATIONS: usize = 40;
+pub const MAX_ITERATIONS: usize = 40;
 
 /// Pivots below this count as zero (the Jacobian is of order one). Near a dead centre
 /// they shrink like the root of the distance, so this allows 1e-24 of it.
@@ -22,10 +22,10 @@ const SINGULAR: f64 = 1e-12;
 
 /// Outcome of an attempt to solve the closure equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum NewtonOutcome {
     /// The residual is below [`TOLERANCE`] (or below 1e-12 and no longer decreasing).
     Converged,
-    /// [`MOST_ITERATIONS`] steps were not enough.
+    /// [`MAX_ITERATIONS`] steps were not enough.
     IterationLimit,
     /// The steps became negligible, but the equations still contradict each other.
     Inconsistent,
@@ -39,7 +39,7 @@ pub enum Outcome {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonReport {
     /// Outcome of the attempt.
-    pub outcome: Outcome,
+    pub outcome: NewtonOutcome,
     /// Newton steps taken.
     pub iterations: usize,
     /// Largest closure residual at the end, over the largest length.
@@ -50,7 +50,7 @@ impl NewtonReport {
     /// Whether the pose is a solution.
     #[must_use]
     pub(crate) fn converged(&self) -> bool {
-        self.outcome == Outcome::Converged
+        self.outcome == NewtonOutcome::Converged
     }
 }
 
@@ -75,7 +75,7 @@ pub(crate) struct Scratch {
 const CORRECTION: f64 = 0.3;
 
 /// A first guess may be far off, but one step may not turn a body more than this (rad).
-const LONGEST_STEP: f64 = 0.7;
+const MAX_STEP: f64 = 0.7;
 
 /// What the guess is: a user's, or a continuation's.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -85,7 +85,7 @@ pub(crate) enum Guess {
 }
 
 impl Scratch {
-    pub(crate) fn new(mechanism: &Mechanism) -> Self {
+    pub(crate) fn new(mechanism: &LinkageMechanism) -> Self {
         let rows = 2 * mechanism.closures().len();
         let n = mechanism.coordinates().len();
         let unknown = mechanism.unknown_places().len();
@@ -97,12 +97,12 @@ impl Scratch {
             elimination: Elimination::new(rows, unknown),
             rhs: vec![0.0; rows],
             step: vec![0.0; unknown],
-            history: Vec::with_capacity(MOST_ITERATIONS + 1),
+            history: Vec::with_capacity(MAX_ITERATIONS + 1),
         }
     }
 
     /// Residual and Jacobian at `pose`.
-    pub(crate) fn linearise(&mut self, mechanism: &Mechanism, pose: &Pose) {
+    pub(crate) fn linearise(&mut self, mechanism: &LinkageMechanism, pose: &Pose) {
         // The prescribed angle is the same in every iteration: its sine is not
         // computed again.
         let known = self.trig.iter_mut().zip(&mut self.trig_at);
@@ -123,7 +123,7 @@ impl Scratch {
     }
 
     /// Factorises the unknowns' columns of the Jacobian found last.
-    pub(crate) fn factor(&mut self, mechanism: &Mechanism) {
+    pub(crate) fn factor(&mut self, mechanism: &LinkageMechanism) {
         let n = mechanism.coordinates().len();
         let unknown = mechanism.unknown_places();
         if unknown.is_empty() {
@@ -140,7 +140,7 @@ impl Scratch {
 
     /// Newton-Raphson from the values in `pose`, prescribed ones held.
     /// Leaves residual and Jacobian at the last values.
-    pub(crate) fn newton(&mut self, mechanism: &Mechanism, pose: &mut Pose, guess: Guess) -> NewtonReport {
+    pub(crate) fn newton(&mut self, mechanism: &LinkageMechanism, pose: &mut Pose, guess: Guess) -> NewtonReport {
         self.history.clear();
         let mut iterations = 0;
         let outcome = loop {
@@ -148,13 +148,13 @@ impl Scratch {
             let residual = largest(&self.sums);
             self.history.push(residual);
             if !residual.is_finite() {
-                break Outcome::NotFinite;
+                break NewtonOutcome::NotFinite;
             }
             if residual <= TOLERANCE {
-                break Outcome::Converged;
+                break NewtonOutcome::Converged;
             }
-            if iterations == MOST_ITERATIONS {
-                break Outcome::IterationLimit;
+            if iterations == MAX_ITERATIONS {
+                break NewtonOutcome::IterationLimit;
             }
             self.factor(mechanism);
             for (r, sum) in self.rhs.iter_mut().zip(&self.sums) {
@@ -164,12 +164,12 @@ impl Scratch {
             let length = largest(&self.step);
             // Steps of a rounding error change nothing any more.
             if length <= 4.0 * f64::EPSILON {
-                break if residual <= PROMISE { Outcome::Converged } else { Outcome::Inconsistent };
+                break if residual <= PROMISE { NewtonOutcome::Converged } else { NewtonOutcome::Inconsistent };
             }
             let mut shorten = 1.0;
             match guess {
-                Guess::Predicted if length > CORRECTION => break Outcome::TooFar,
-                Guess::Rough if length > LONGEST_STEP => shorten = LONGEST_STEP / length,
+                Guess::Predicted if length > CORRECTION => break NewtonOutcome::TooFar,
+                Guess::Rough if length > MAX_STEP => shorten = MAX_STEP / length,
                 _ => {}
             }
             for (&place, step) in mechanism.unknown_places().iter().zip(&self.step) {
@@ -183,7 +183,7 @@ impl Scratch {
 
     /// Rates of all coordinates (rad and m per unit time) from those of the
     /// prescribed ones, through the Jacobian factorised last.
-    pub(crate) fn rates(&mut self, mechanism: &Mechanism, input: &[f64], rates: &mut [f64]) {
+    pub(crate) fn rates(&mut self, mechanism: &LinkageMechanism, input: &[f64], rates: &mut [f64]) {
         let n = rates.len();
         rates.fill(0.0);
         for (&place, rate) in mechanism.prescribed_places().iter().zip(input) {
@@ -203,7 +203,7 @@ impl Scratch {
     /// constant rates; `rates` as found by [`Scratch::rates`].
     pub(crate) fn accelerations(
         &mut self,
-        mechanism: &Mechanism,
+        mechanism: &LinkageMechanism,
         pose: &Pose,
         rates: &[f64],
         accelerations: &mut [f64],
@@ -216,7 +216,7 @@ impl Scratch {
         self.back_substitute(mechanism, accelerations);
     }
 
-    fn back_substitute(&mut self, mechanism: &Mechanism, out: &mut [f64]) {
+    fn back_substitute(&mut self, mechanism: &LinkageMechanism, out: &mut [f64]) {
         self.elimination.solve(&self.rhs, &mut self.step);
         for (&place, step) in mechanism.unknown_places().iter().zip(&self.step) {
             let unit = if place < self.trig.len() { 1.0 } else { mechanism.scale() };

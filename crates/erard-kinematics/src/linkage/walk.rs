@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::description::CoordinateId;
 use super::elimination::Elimination;
-use super::mechanism::{Mechanism, Pose};
+use super::mechanism::{LinkageMechanism, Pose};
 use super::mobility::{Mobility, Verdict};
 use super::newton::{Guess, NewtonReport, Scratch};
 
@@ -73,7 +73,7 @@ impl std::error::Error for Stop {}
 /// allocate.
 #[derive(Clone, Debug)]
 pub struct Walk<'m> {
-    mechanism: &'m Mechanism,
+    mechanism: &'m LinkageMechanism,
     pose: Pose,
     trial: Pose,
     scratch: Scratch,
@@ -85,7 +85,7 @@ pub struct Walk<'m> {
     accelerations: Vec<f64>,
 }
 
-impl Mechanism {
+impl LinkageMechanism {
     /// Solves the closure equations from `guess` with its prescribed values, and returns a walk that starts at this
     /// pose.
     ///

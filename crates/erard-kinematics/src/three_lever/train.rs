@@ -3,7 +3,7 @@
 use super::exact::Exact;
 use super::{DiscLevers, Drive, LeverArms, Move, Regulation, StrokePose, ThreeLever, ThreeLeverError};
 use crate::linkage::{CoordinateId, Linkage};
-use crate::linkage::{Mechanism, Pose};
+use crate::linkage::{LinkageMechanism, Pose};
 
 /// Three levers, described by the papers' lengths or by the discs and lines of an instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,7 +116,7 @@ pub(super) struct Places {
 #[derive(Clone, Debug)]
 pub struct LeverTrain {
     pub(super) levers: Levers,
-    pub(super) mechanism: Mechanism,
+    pub(super) mechanism: LinkageMechanism,
     pub(super) places: Places,
     pub(super) rest: Pose,
     /// Height of the strike point over C at rest.

@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use crate::common::{add_four_bar, angle_error, four_bar, slider_crank};
 use crate::textbook::{FourBar, SliderCrank};
-use erard_kinematics::linkage::{Direction, Length, Linkage, Mechanism, Pose};
+use erard_kinematics::linkage::{Direction, Length, Linkage, LinkageMechanism, Pose};
 
-fn pose(mechanism: &Mechanism, values: &[(&str, f64)]) -> Pose {
+fn pose(mechanism: &LinkageMechanism, values: &[(&str, f64)]) -> Pose {
     let mut pose = mechanism.zero_pose();
     for &(symbol, value) in values {
         pose.set(mechanism.coordinate(symbol).expect(symbol), value);
@@ -14,7 +14,7 @@ fn pose(mechanism: &Mechanism, values: &[(&str, f64)]) -> Pose {
     pose
 }
 
-fn get(mechanism: &Mechanism, pose: &Pose, symbol: &str) -> f64 {
+fn get(mechanism: &LinkageMechanism, pose: &Pose, symbol: &str) -> f64 {
     pose.value(mechanism.coordinate(symbol).expect(symbol))
 }
 

@@ -3,10 +3,10 @@
 
 use std::collections::BTreeSet;
 
-use erard_kinematics::linkage::{Direction, Equation, Length, Linkage, Mechanism, latex_align};
+use erard_kinematics::linkage::{Direction, Equation, Length, Linkage, LinkageMechanism, latex_align};
 use erard_kinematics::three_lever::{Drive, ThreeLever};
 
-fn printed(mechanism: &Mechanism) -> Vec<String> {
+fn printed(mechanism: &LinkageMechanism) -> Vec<String> {
     mechanism.equations().iter().map(Equation::to_string).collect()
 }
 

@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use crate::common::{add_four_bar, four_bar, slider_crank};
 use crate::textbook::{FourBar, SliderCrank};
 use erard_kinematics::linkage::{
-    AssembleError, Direction, Length, Linkage, Mechanism, Pose, Redundancy, StartError, Verdict,
+    AssembleError, Direction, Length, Linkage, LinkageMechanism, Pose, Redundancy, StartError, Verdict,
 };
 
-fn pose(mechanism: &Mechanism, values: &[(&str, f64)]) -> Pose {
+fn pose(mechanism: &LinkageMechanism, values: &[(&str, f64)]) -> Pose {
     let mut pose = mechanism.zero_pose();
     for &(symbol, value) in values {
         pose.set(mechanism.coordinate(symbol).expect(symbol), value);
@@ -137,7 +137,7 @@ fn dead_centre_depends_on_the_drive() {
     let mut by_slider = slider_crank(exact);
     by_slider.linkage.prescribe_sliding(by_slider.slide.unwrap());
     let by_slider = by_slider.linkage.assemble().unwrap();
-    let at = |m: &Mechanism| pose(m, &[("t", 0.0), ("p", 0.0), ("x", 0.37)]);
+    let at = |m: &LinkageMechanism| pose(m, &[("t", 0.0), ("p", 0.0), ("x", 0.37)]);
     let mobility = by_slider.mobility(&at(&by_slider));
     println!("{mobility}");
     assert_eq!(mobility.verdict(), Verdict::Singular);

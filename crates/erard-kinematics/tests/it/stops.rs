@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use crate::common::{angle_error, four_bar, slider_crank};
 use crate::textbook::{FourBar, SliderCrank};
-use erard_kinematics::linkage::{Mechanism, Pose, StartError, StopKind};
+use erard_kinematics::linkage::{LinkageMechanism, Pose, StartError, StopKind};
 
-fn pose(mechanism: &Mechanism, values: &[(&str, f64)]) -> Pose {
+fn pose(mechanism: &LinkageMechanism, values: &[(&str, f64)]) -> Pose {
     let mut pose = mechanism.zero_pose();
     for &(symbol, value) in values {
         pose.set(mechanism.coordinate(symbol).expect(symbol), value);

@@ -4,7 +4,7 @@ use erard::assembly::{assemble, probes};
 use erard::damper::{USUAL_HEIGHT_M, damper_height_m};
 use erard::keyboard::Keyboard;
 use erard::{Action, Instrument};
-use erard_live::board::{Key, Mechanism, Outline, Pedals, Sensor};
+use erard_live::board::{BoardMechanism, Key, Outline, Pedals, Sensor};
 use erard_live::converter::Stops;
 use erard_live::sensor::FixedLaw;
 use erard_live::{Limits, SensorKind};
@@ -23,7 +23,7 @@ const LONG_S: f64 = 250e-6;
 const SHORT_S: f64 = 50e-6;
 const PERIOD_S: f64 = 1e-3;
 
-type Grand = Mechanism<f32, BODIES, ZONES, LAWS>;
+type Grand = BoardMechanism<f32, BODIES, ZONES, LAWS>;
 
 /// An instrument's action, in steps of `step_s`.
 fn mechanism(instrument: &Instrument, step_s: f64) -> Grand {
@@ -35,7 +35,7 @@ fn mechanism(instrument: &Instrument, step_s: f64) -> Grand {
         limits: Limits::find(instrument, SensorKind::Light).unwrap().unwrap(),
         damper_m: damper_height_m(instrument).unwrap().unwrap_or(USUAL_HEIGHT_M),
     };
-    Mechanism::new(assemble(instrument).unwrap(), outline, step_s).unwrap()
+    BoardMechanism::new(assemble(instrument).unwrap(), outline, step_s).unwrap()
 }
 
 /// A converter of 12 bits under the front of a real action's key, or of a light one.
@@ -86,7 +86,7 @@ fn long_steps(instrument: &Instrument, most: f64, steps_s: &[f64], presses: u32,
                 let notes: Vec<&Message> = messages.iter().filter(|m| !grazes(m)).collect();
                 let [on, off] = notes[..] else { panic!("{step_s} s: {messages:?}, {:?}", press.impacts) };
                 assert_eq!([on.bytes()[3], off.bytes()[3]], [0x90, 0x80]);
-                assert!(key.rests() && key.counts().non_finite == 0, "{step_s} s: {:?}", key.counts());
+                assert!(key.is_asleep() && key.counts().non_finite == 0, "{step_s} s: {:?}", key.counts());
                 found.push(counts(on));
             }
         }
@@ -146,7 +146,7 @@ fn ten_keys_share_a_chip() {
         assert!(messages.len() == 2 && key.steps() == keys[i].steps() && key.steps() > 500, "key {i}: {messages:?}");
     }
     // It falls asleep in its first few milliseconds.
-    assert!(idle.rests() && idle.steps() < 100, "{}", idle.steps());
+    assert!(idle.is_asleep() && idle.steps() < 100, "{}", idle.steps());
     // A note that sounds ends when its key is let go, whatever its sensor says.
     let mut messages = Vec::new();
     let mut key = mechanism.key(40, &sensor(SensorKind::Action));

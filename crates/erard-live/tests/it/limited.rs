@@ -1,7 +1,7 @@
 //! What would throw a hammer too fast is limited before it does; nothing breaks whatever a sensor says.
 
 use erard_live::stream::{Of, Sample};
-use erard_live::{LARGEST_HAMMER_M_PER_S, SensorKind};
+use erard_live::{MAX_HAMMER_M_PER_S, SensorKind};
 use fastrand::Rng;
 
 use crate::common::{offs, one_key, ons, played};
@@ -21,7 +21,7 @@ fn jumps_are_limited() {
         let events = played(&mut live, &samples);
         let (found, report) = (ons(&events), live.report());
         assert!(found.len() == 1 && offs(&events).len() == 1, "{sensor:?} {events:?}");
-        assert!(found[0][1] <= LARGEST_HAMMER_M_PER_S + 0.01 && found[0][1] > 5.0, "{sensor:?} {found:?}");
+        assert!(found[0][1] <= MAX_HAMMER_M_PER_S + 0.01 && found[0][1] > 5.0, "{sensor:?} {found:?}");
         assert!(report.limited_steps > 0 && report.limited_strokes == 1, "{sensor:?} {report:?}");
     }
 }
@@ -52,7 +52,7 @@ fn attacks(seeds: u64) {
             // No note is left: after the last note-on there is a note-off.
             let last = [ons(&events).last().unwrap()[0], *offs(&events).last().unwrap()];
             assert!(last[0] <= last[1] + 1e-4, "{sensor:?} {seed}: {last:?}");
-            assert!(fastest <= LARGEST_HAMMER_M_PER_S * 1.01, "{sensor:?} {seed}: {fastest} m/s");
+            assert!(fastest <= MAX_HAMMER_M_PER_S * 1.01, "{sensor:?} {seed}: {fastest} m/s");
         }
     }
     println!("false {falses}; fastest hammer {fastest:.2} m/s");

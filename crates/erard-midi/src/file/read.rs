@@ -12,7 +12,7 @@ use crate::message::{HIGH_RESOLUTION, SOFT, SOSTENUTO, SUSTAIN};
 use crate::{Velocity, key_of_note};
 
 /// The largest file that is read, bytes.
-const MOST_BYTES: usize = 16 << 20;
+const MAX_BYTES: usize = 16 << 20;
 /// The channel of percussion, from 0.
 const PERCUSSION: u8 = 9;
 
@@ -34,7 +34,7 @@ impl std::fmt::Display for ReadError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             ReadError::Syntax(what) => write!(f, "not a readable Standard MIDI File: {what}"),
-            ReadError::TooLong(bytes) => write!(f, "{bytes} bytes; at most {MOST_BYTES} are read"),
+            ReadError::TooLong(bytes) => write!(f, "{bytes} bytes; at most {MAX_BYTES} are read"),
             ReadError::Sequences(count) => {
                 write!(f, "a file of format 2, {count} independent pieces; expected format 0 or 1")
             }
@@ -55,7 +55,7 @@ impl std::error::Error for ReadError {}
 /// # Errors
 /// [`ReadError`].
 pub fn read(bytes: &[u8]) -> Result<Piece, ReadError> {
-    if bytes.len() > MOST_BYTES {
+    if bytes.len() > MAX_BYTES {
         return Err(ReadError::TooLong(bytes.len()));
     }
     let Smf { header, tracks } = Smf::parse(bytes).map_err(|error| ReadError::Syntax(error.to_string()))?;

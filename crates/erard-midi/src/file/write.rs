@@ -16,7 +16,7 @@ const QUARTER_US: u32 = 500_000;
 /// Ticks a second.
 const TICKS_PER_S: f64 = TICKS as f64 * 1e6 / QUARTER_US as f64;
 /// The most ticks between two events of a file.
-const MOST_TICKS: u64 = (1 << 28) - 1;
+const MAX_TICKS: u64 = (1 << 28) - 1;
 
 /// Why a piece cannot be written.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +82,7 @@ pub fn write(piece: &Piece, resolution: Resolution) -> Result<Vec<u8>, WriteErro
     let mut now = 0;
     for (tick, _, messages) in events {
         for message in messages.into_iter().flatten() {
-            if tick - now > MOST_TICKS {
+            if tick - now > MAX_TICKS {
                 return Err(WriteError::Silence(now as f64 / TICKS_PER_S));
             }
             let delta = u28::new((tick - now) as u32);

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use erard::instrument::Instrument;
 use erard::player::Hand;
 use erard::stroke::least_jerk;
-use erard::{Action, Input, Outcome, Progress, Settings};
+use erard::{Action, Input, Progress, Settings, StepOutcome};
 use erard_midi::{Crossing, Event, KeyNotes};
 
 use super::sensor::Sampler;
@@ -55,7 +55,7 @@ pub(super) fn play(
             if is_away { Input::Free } else { FINGER.input(&Input::Motion { position_m, velocity_m_per_s })? };
         let reading = action.step(input);
         let now_s = begins_s + (n + 1) as f64 * h;
-        if reading.outcome == Outcome::NonFinite {
+        if reading.outcome == StepOutcome::NonFinite {
             return Err(PerformError::NotFinite { time_s: now_s });
         }
         sampler.take(now_s, reading.key_m);

@@ -12,5 +12,5 @@ mod sensor;
 mod truth;
 
 pub use cases::{Case, play_cases};
-pub use sensor::{MOST_RATE_HZ, Reading, Scans, Sensor, stops};
+pub use sensor::{MAX_RATE_HZ, Reading, Scans, Sensor, stops};
 pub use truth::{Strike, Truth, Window};

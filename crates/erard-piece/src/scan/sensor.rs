@@ -10,7 +10,7 @@ use erard_live::profile::Stops;
 use crate::sink::{Block, Sink};
 
 /// Highest rate of a sensor, Hz: that of an action's steps.
-pub const MOST_RATE_HZ: f64 = 20_000.0;
+pub const MAX_RATE_HZ: f64 = 20_000.0;
 /// A key's stops lie at these shares of the converter's range: a key that bounces at its bottom is not cut off.
 const STOPS: [f64; 2] = [0.10, 0.85];
 /// A key is off its rest from this travel on, m.

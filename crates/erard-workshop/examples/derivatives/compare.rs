@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use erard::gradient::QUANTITIES;
-use erard::level::{Kind, MASS_KG, Reference, named};
+use erard::level::{HandKind, MASS_KG, Reference, named};
 use erard::parameter::Parameter;
 use erard::player::Input;
 use erard::stroke::{HandStroke, Touch};
@@ -129,7 +129,7 @@ pub fn first_cases() -> [First; 3] {
         let mut action = Action::with(&varied, Settings::new(5e-6)).unwrap();
         if held {
             action.mechanism_mut().restore(&rest);
-            action.rest_here(&varied);
+            action.set_reference_pose(&varied);
         }
         while action.impact().is_none() {
             assert!(action.time_s() < 0.2, "{name} {by}");
@@ -229,7 +229,7 @@ struct Press<'a> {
 
 impl<'a> Press<'a> {
     fn new(instrument: &'a Instrument, name: &str) -> Self {
-        let kind = Kind { touch: Touch::Pressed, mass_kg: MASS_KG };
+        let kind = HandKind { touch: Touch::Pressed, mass_kg: MASS_KG };
         let solved = Reference::new(instrument, &mut |_| true)
             .and_then(|mut reference| reference.solve(kind, named(name).unwrap(), &mut |_| true));
         let solved = solved.unwrap();

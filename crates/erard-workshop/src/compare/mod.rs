@@ -21,7 +21,7 @@ use erard::instrument::Instrument;
 use erard::one_dof::{OneDofError, reduce};
 use erard::player::{self, Drive};
 use erard::recording::{Butterworth, Report, interpolated};
-use erard::run::{MOST_ROWS_ASKED, Setup, SimulationError, simulate};
+use erard::run::{MAX_ROWS_ASKED, Setup, SimulationError, simulate};
 use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Prescribed, Role, SampleError, Series};
 
 /// Rate of the common time axis, Hz: twice the minimum for the highest band.
@@ -318,7 +318,7 @@ pub fn compare_chosen(
         ..*setup
     };
     // Every step if memory allows, else fewer, but at least as many as the common axis needs.
-    setup.record_every = Some(setup.check()?.div_ceil(MOST_ROWS_ASKED).max(1));
+    setup.record_every = Some(setup.check()?.div_ceil(MAX_ROWS_ASKED).max(1));
     let mut plan = Vec::new();
     for driven in DRIVES.into_iter().filter(|driven| choice.drives.contains(driven)) {
         let has = match driven {

@@ -16,7 +16,7 @@ use super::entry::{Known, at};
 use super::inject::{inject, injected_amount};
 use crate::cores;
 use crate::measure::MeasureError;
-use crate::worklist::{Quantity, Readings};
+use crate::worklist::{ReadingQuantity, Readings};
 
 /// Features compared. Balance and friction weight are two independent combinations of D and U.
 pub(super) const FEATURES: [&str; 18] = [
@@ -102,7 +102,7 @@ fn parse(text: &str) -> Option<Vec<[Effect; 3]>> {
 /// Features of an action.
 pub(super) fn features(readings: &Readings, bench: &Bench) -> Features {
     let mut features = of_known(&Known::of(readings, bench));
-    features[at::RATIO] = readings.get(Quantity::Ratio);
+    features[at::RATIO] = readings.get(ReadingQuantity::Ratio);
     features
 }
 

@@ -7,7 +7,7 @@ use erard::parameter::{NumberError, Quantity as Physical};
 use super::bench::Bench;
 use crate::balance::{BALANCE_LIMITS_G, FRICTION_LIMITS_G, Lead, WeightReadings};
 use crate::measure::usual::usual;
-use crate::worklist::{Quantity, Readings};
+use crate::worklist::{ReadingQuantity, Readings};
 use erard::parameter::canonical_name;
 
 /// Number of entries.
@@ -449,8 +449,11 @@ impl Known {
     #[must_use]
     pub fn of(readings: &Readings, bench: &Bench) -> Self {
         let mut known = Known::default();
-        for quantity in Quantity::ALL {
-            if !matches!(quantity, Quantity::BalanceWeight | Quantity::FrictionWeight | Quantity::Ratio) {
+        for quantity in ReadingQuantity::ALL {
+            if !matches!(
+                quantity,
+                ReadingQuantity::BalanceWeight | ReadingQuantity::FrictionWeight | ReadingQuantity::Ratio
+            ) {
                 known.set(quantity.key(), readings.get(quantity));
             }
         }

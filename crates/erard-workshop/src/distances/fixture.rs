@@ -1,6 +1,6 @@
 //! An action on the bench and the finger that presses it: slowly, until an observed event, or with a constant force.
 
-use moreau::{Outcome, Settings};
+use moreau::{Settings, StepOutcome};
 use thiserror::Error;
 
 use erard::Progress;
@@ -107,9 +107,9 @@ impl<'i> Fixture<'i> {
             return Err(DistanceError::Interrupted);
         }
         match self.action.step(input).outcome {
-            Outcome::Converged => {}
-            Outcome::IterationLimit => self.unconverged += 1,
-            Outcome::NonFinite | Outcome::TooManyLaws => return Err(DistanceError::NonFinite),
+            StepOutcome::Converged => {}
+            StepOutcome::IterationLimit => self.unconverged += 1,
+            StepOutcome::NonFinite | StepOutcome::TooManyLaws => return Err(DistanceError::NonFinite),
         }
         self.steps += 1;
         let step_s = self.action.settings().step;

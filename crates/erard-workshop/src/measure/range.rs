@@ -128,7 +128,7 @@ pub fn double_strike(instrument: &Instrument, progress: &mut Progress<'_>) -> Re
 /// See [`MeasureError`].
 pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Option<Softest>, MeasureError> {
     let parts = Parts::of(instrument)?;
-    let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
+    let mut action = Action::with_progress(instrument, Settings::new(STEP_S), progress)?;
     let rest = action.save();
     let (mut low, mut high) = (0.0, MAX_SOFT_N);
     if !reaches(&mut action, &rest, high, progress)? {

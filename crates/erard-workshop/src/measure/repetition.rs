@@ -66,7 +66,7 @@ pub fn repetition(
     let Some(bottom) = instrument.roles.key_bottom else {
         return Err(NotAnAction::NoKeyBottom.into());
     };
-    let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
+    let mut action = Action::with_progress(instrument, Settings::new(STEP_S), progress)?;
     let rest = action.save();
     let mut neighbours: [Vec<Repetition>; WAITS.len()] = Default::default();
     for n in 0..STAYS {

@@ -1,7 +1,7 @@
 //! Hysteresis loop: force against displacement of a key moved so slowly that only weights, springs, felts and dry
 //! friction remain.
 
-use moreau::{Outcome, Settings};
+use moreau::{Settings, StepOutcome};
 
 use super::MeasureError;
 use erard::Progress;
@@ -89,7 +89,7 @@ pub(crate) fn first_touch(
     progress: &mut Progress<'_>,
 ) -> Result<Option<(Vec<usize>, f64)>, MeasureError> {
     let settings = Settings::new(STEP_S);
-    let mut action = Action::asking(instrument, settings, progress).map_err(SimulationError::from)?;
+    let mut action = Action::with_progress(instrument, settings, progress).map_err(SimulationError::from)?;
     let steps = (WAY_S / STEP_S).round() as u64;
     for n in 0..=steps {
         if n.is_multiple_of(RECORD_EVERY) {
@@ -103,7 +103,7 @@ pub(crate) fn first_touch(
         }
         let [share, rate] = least_jerk((n as f64 * STEP_S + settings.theta * STEP_S) / WAY_S);
         let finger = Input::Motion { position_m: depth_m * share, velocity_m_per_s: depth_m * rate / WAY_S };
-        if action.step(finger).outcome == Outcome::NonFinite {
+        if action.step(finger).outcome == StepOutcome::NonFinite {
             return Err(SimulationError::NonFinite { time_s: action.time_s() }.into());
         }
     }

@@ -6,7 +6,7 @@ use super::MeasureError;
 use super::flight::{Flights, flights};
 use erard::Progress;
 use erard::instrument::Instrument;
-use erard::level::{Kind, LEVELS, LevelError, MASS_KG, Reference};
+use erard::level::{HandKind, LEVELS, LevelError, MASS_KG, Reference};
 use erard::run::Events;
 use erard::run::{Setup, SimulationError, press_by_hand};
 use erard::stroke::Touch;
@@ -76,14 +76,14 @@ pub(crate) fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Re
     };
     for touch in [Touch::Pressed, Touch::Struck] {
         for (nuance, speed_m_per_s) in LEVELS {
-            let solved = match reference.solve(Kind { touch, mass_kg: MASS_KG }, speed_m_per_s, &mut |_| progress(0.0))
-            {
-                Ok(solved) => solved,
-                Err(error) => {
-                    failed(error)?;
-                    continue;
-                }
-            };
+            let solved =
+                match reference.solve(HandKind { touch, mass_kg: MASS_KG }, speed_m_per_s, &mut |_| progress(0.0)) {
+                    Ok(solved) => solved,
+                    Err(error) => {
+                        failed(error)?;
+                        continue;
+                    }
+                };
             let setup = Setup {
                 settings: Settings::new(STEP_S),
                 record_every: Some(1),

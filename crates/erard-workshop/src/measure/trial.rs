@@ -97,7 +97,7 @@ struct Trials {
 impl Trials {
     /// Brings the key to rest at `from_m`.
     fn at(instrument: &Instrument, from_m: f64, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
-        let mut action = Action::asking(instrument, Settings::new(STEP_S), progress)?;
+        let mut action = Action::with_progress(instrument, Settings::new(STEP_S), progress)?;
         if from_m > 0.0 {
             hold_at(&mut action, instrument, from_m, progress)?;
         }

@@ -2,14 +2,14 @@
 
 use super::random::deviation;
 use crate::measure::MeasureError;
-use crate::worklist::{Quantity, Work};
+use crate::worklist::{ReadingQuantity, Work};
 use erard::Progress;
 use erard::instrument::Instrument;
 
 /// Varies a key in place as a technician would leave it: every distance set by a screw, the strike weight and the
-/// friction weight deviate by about the precision of a technician's reading ([`Quantity::precision`]: let-off and drop
-/// 0.25 mm, dip 0.1 mm, strike weight 0.1 g), nine times out of ten by less. The turn of a screw is the first guess of
-/// the regulation, so the distances themselves scatter somewhat more or less.
+/// friction weight deviate by about the precision of a technician's reading ([`ReadingQuantity::precision`]: let-off
+/// and drop 0.25 mm, dip 0.1 mm, strike weight 0.1 g), nine times out of ten by less. The turn of a screw is the first
+/// guess of the regulation, so the distances themselves scatter somewhat more or less.
 ///
 /// The deviations depend on the sample's number, the key and the quantity only, and have the same bits on every
 /// machine. Screws that an instrument does not have are left out.
@@ -22,11 +22,11 @@ pub fn technicians_scatter(
     key: usize,
     progress: &mut Progress<'_>,
 ) -> Result<(), MeasureError> {
-    for quantity in Quantity::ALL {
+    for quantity in ReadingQuantity::ALL {
         let by = quantity.precision() * deviation(sample, 0, &format!("technician: {}", quantity.key()), key);
         match quantity {
-            Quantity::StrikeWeight => Work::Hammer { by_g: by }.carry_out(instrument, progress)?,
-            Quantity::FrictionWeight => Work::Friction { by_g: by }.carry_out(instrument, progress)?,
+            ReadingQuantity::StrikeWeight => Work::Hammer { by_g: by }.carry_out(instrument, progress)?,
+            ReadingQuantity::FrictionWeight => Work::Friction { by_g: by }.carry_out(instrument, progress)?,
             _ => turn(instrument, quantity, by),
         }
     }
@@ -34,7 +34,7 @@ pub fn technicians_scatter(
 }
 
 /// Turns the screw of a quantity to change it by about `by`, in the sheet's unit.
-fn turn(instrument: &mut Instrument, quantity: Quantity, by: f64) {
+fn turn(instrument: &mut Instrument, quantity: ReadingQuantity, by: f64) {
     let Some((known, effect)) = quantity.goal().and_then(|goal| goal.screws().next()) else { return };
     let Some(screw) = instrument.screw(known.name) else { return };
     let turned = &instrument.screws[screw];

@@ -35,7 +35,7 @@ use passes::{How, Passes, passes};
 
 /// A quantity that can be differentiated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Quantity {
+pub struct SensitivityOutcome {
     /// Name of the quantity, which ends with its unit.
     pub key: &'static str,
     /// Label of the quantity.
@@ -72,7 +72,7 @@ pub const USUAL: [&str; 5] =
     ["hammer_speed_m_per_s", "let_off_s", "key_bottom_after_impact_s", "down_weight_g", "balance_weight_g"];
 
 /// Returns all quantities that can be differentiated.
-pub fn quantities() -> Vec<Quantity> {
+pub fn quantities() -> Vec<SensitivityOutcome> {
     let told = [
         ("hammer_speed_m_per_s", "hammer speed", "m/s", false),
         ("let_off_s", "last push", "ms", true),
@@ -84,14 +84,15 @@ pub fn quantities() -> Vec<Quantity> {
         ("toe_contact_s", "toe meets the button", "ms", true),
         ("key_start_to_hammer_s", "key start to hammer", "ms", true),
     ];
-    let followed = told.map(|(key, label, unit, thousandths)| Quantity {
+    let followed = told.map(|(key, label, unit, thousandths)| SensitivityOutcome {
         key,
         label,
         unit,
         thousandths,
         method: Method::Gradient,
     });
-    let weight = |key, label| Quantity { key, label, unit: "g", thousandths: false, method: Method::Differences };
+    let weight =
+        |key, label| SensitivityOutcome { key, label, unit: "g", thousandths: false, method: Method::Differences };
     let weights = [
         weight("down_weight_g", "down-weight"),
         weight("up_weight_g", "up-weight"),
@@ -169,7 +170,7 @@ impl Sensitivity {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivities {
     /// Quantities.
-    pub of: Vec<Quantity>,
+    pub of: Vec<SensitivityOutcome>,
     /// Values of the quantities; `None` for events that did not happen.
     pub values: Vec<Option<f64>>,
     /// Variables of the derivatives.
@@ -193,7 +194,7 @@ const PARTS: [f64; 3] = [1.0, 1.0, 20.0];
 pub fn sensitivities<'a>(
     instrument: &Instrument,
     by: Vec<Variable>,
-    of: Vec<Quantity>,
+    of: Vec<SensitivityOutcome>,
     stroke: &(dyn Fn() -> Stroke<'a> + Sync),
     setup: &Setup,
     rest: Rest,

@@ -3,8 +3,8 @@
 use erard::instrument::{Instrument, InstrumentFile, with_numbers};
 use erard::keyboard::{Between, KEYS, Keyboard, key_named, keys_named};
 use erard::parameter::{
-    Bare, Change, ChangeError, NameError, Parameter, Quantity, Sweep, Wanted, acting_number, file_unit, in_file_unit,
-    known_name, number_of, varied_of,
+    Bare, Change, ChangeError, NameError, Parameter, ParameterChange, Quantity, Sweep, acting_number, file_unit,
+    in_file_unit, known_name, number_of, varied_of,
 };
 use erard::stroke::MAX_FORCE_N;
 
@@ -31,7 +31,7 @@ pub enum Source {
         /// The text.
         text: String,
         /// Changes of parameters by their names; numbers of the file stand changed in the text.
-        changes: Vec<(String, Wanted)>,
+        changes: Vec<(String, ParameterChange)>,
     },
     /// A keyboard, and the key that is played where keys are not varied (`None`: its own instrument's).
     Keyboard(Box<Keyboard>, Option<usize>),
@@ -173,7 +173,7 @@ fn as_written(shown: f64) -> f64 {
 }
 
 /// Most strokes of a study: their rows are held in memory.
-pub const MOST: usize = 2_000_000;
+pub const MAX_STROKES: usize = 2_000_000;
 
 impl Axis {
     /// Reads all values of `--vary` for an instrument.
@@ -188,8 +188,8 @@ impl Axis {
                 return Err(format!("--vary: `{}` is given twice", axis.name));
             }
         }
-        if Axis::combinations(&axes).is_none_or(|strokes| strokes > MOST) {
-            return Err(format!("--vary: more than {MOST} strokes; expected fewer values"));
+        if Axis::combinations(&axes).is_none_or(|strokes| strokes > MAX_STROKES) {
+            return Err(format!("--vary: more than {MAX_STROKES} strokes; expected fewer values"));
         }
         Ok(axes)
     }

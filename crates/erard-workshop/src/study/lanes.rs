@@ -1,6 +1,6 @@
 //! Mechanisms stepped in lanes: brought to rest, and played.
 
-use moreau::{Input, Ledger, ModelError, Outcome, SavedState, Settings};
+use moreau::{Ledger, ModelError, SavedState, Settings, SiteInput, StepOutcome};
 use moreau_kernels::{EveryBody, LaneObserver, Lanes, OwnedDescription, SideBySide, Size, lane_observer, side_by_side};
 
 use super::sampling::{Sampled, Sampling};
@@ -61,7 +61,7 @@ fn group(
 }
 
 /// Sets the inputs of all lanes of a group; spare lanes repeat the last one.
-fn inputs_of(own: impl Iterator<Item = Input<f64>>, inputs: &mut [Input<f64>]) {
+fn inputs_of(own: impl Iterator<Item = SiteInput<f64>>, inputs: &mut [SiteInput<f64>]) {
     let mut from = 0;
     for (i, input) in own.enumerate() {
         inputs[i] = input;
@@ -83,7 +83,7 @@ pub(super) fn settle(
 ) -> Result<Vec<Rested>, SimulationError> {
     let descriptions: Vec<OwnedDescription> = instruments.iter().map(|instrument| describe(instrument)).collect();
     let drawn: Vec<State> = descriptions.iter().map(|description| standing(&description.angles, &[])).collect();
-    let free = vec![Input::Free; instruments.len()];
+    let free = vec![SiteInput::Free; instruments.len()];
     let states = match rests_of(&descriptions.iter().collect::<Vec<_>>(), &drawn, &free, lanes, progress) {
         Ok(states) => states,
         Err(SimulationError::Interrupted) => return Err(SimulationError::Interrupted),
@@ -104,7 +104,7 @@ pub(super) fn settle(
 fn rests_of(
     descriptions: &[&OwnedDescription],
     from: &[State],
-    inputs: &[Input<f64>],
+    inputs: &[SiteInput<f64>],
     lanes: Lanes,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<Option<State>>, SimulationError> {
@@ -112,7 +112,7 @@ fn rests_of(
     let mut together: Vec<usize> = (0..descriptions.len()).collect();
     while !together.is_empty() {
         let begin = together.iter().map(|&i| from[i]).collect();
-        let driven: Vec<Input<f64>> = together.iter().map(|&i| inputs[i]).collect();
+        let driven: Vec<SiteInput<f64>> = together.iter().map(|&i| inputs[i]).collect();
         match come_to_rest(together.iter().map(|&i| descriptions[i]).collect(), begin, &driven, lanes, progress)? {
             Together::Ended(rested) => {
                 together.iter().zip(rested).for_each(|(&i, state)| states[i] = state);
@@ -136,16 +136,16 @@ enum Together {
 fn come_to_rest(
     descriptions: Vec<&OwnedDescription>,
     from: Vec<State>,
-    own_inputs: &[Input<f64>],
+    own_inputs: &[SiteInput<f64>],
     lanes: Lanes,
     progress: &mut Progress<'_>,
 ) -> Result<Together, SimulationError> {
     let count = descriptions.len();
     let bodies = descriptions.first().map_or(0, |d| d.bodies.len()).min(BODIES);
     let mut group = group(descriptions, from, &equilibrium::settings(), lanes)?;
-    let mut inputs = vec![Input::Free; lanes.count().max(count)];
+    let mut inputs = vec![SiteInput::Free; lanes.count().max(count)];
     inputs_of(own_inputs.iter().copied(), &mut inputs);
-    let mut outcomes = vec![Outcome::Converged; inputs.len()];
+    let mut outcomes = vec![StepOutcome::Converged; inputs.len()];
     let mut rested: Vec<Option<State>> = vec![None; count];
     let (mut angles, mut velocities) = ([0.0; BODIES], [0.0; BODIES]);
     let (mut settling, mut waited_for) = (vec![Settling::default(); count], vec![true; count]);
@@ -273,19 +273,19 @@ impl<'a> Lane<'a> {
     }
 
     /// The input of the step from t0; a failed mechanism gets a harmless one of the same kind.
-    fn input(&self, t0: f64, settings: &Settings<f64>) -> Input<f64> {
+    fn input(&self, t0: f64, settings: &Settings<f64>) -> SiteInput<f64> {
         let Settings { step: h, theta, .. } = *settings;
         let input = self.rest.input(&self.drive, t0, h, theta, h, &|| self.observer.site_position());
         if self.failed.is_none() {
             return input;
         }
         match input {
-            Input::Free => Input::Free,
-            Input::Force(_) => Input::Force(0.0),
-            Input::Motion { .. } => Input::Motion { position: self.rest.site_m, velocity: 0.0 },
-            Input::Rigid { .. } => Input::Rigid { velocity: 0.0 },
-            Input::Hand(hand) => {
-                Input::Hand(moreau::Hand { position: self.rest.site_m, velocity: 0.0, force: 0.0, ..hand })
+            SiteInput::Free => SiteInput::Free,
+            SiteInput::Force(_) => SiteInput::Force(0.0),
+            SiteInput::Motion { .. } => SiteInput::Motion { position: self.rest.site_m, velocity: 0.0 },
+            SiteInput::Rigid { .. } => SiteInput::Rigid { velocity: 0.0 },
+            SiteInput::Hand(hand) => {
+                SiteInput::Hand(moreau::SiteHand { position: self.rest.site_m, velocity: 0.0, force: 0.0, ..hand })
             }
         }
     }
@@ -298,7 +298,13 @@ impl<'a> Lane<'a> {
 
     /// Computes the step's forces and adds its energy to the balance. Call it before observing the end of the step.
     /// Returns whether the step changed any observed value.
-    fn retrace(&mut self, input: &Input<f64>, settings: &Settings<f64>, group: &dyn SideBySide, index: usize) -> bool {
+    fn retrace(
+        &mut self,
+        input: &SiteInput<f64>,
+        settings: &Settings<f64>,
+        group: &dyn SideBySide,
+        index: usize,
+    ) -> bool {
         // Without a ledger, neither forces nor states are needed once the string is struck.
         if self.ledger.is_none() && !self.detector.awaits_let_off() {
             return false;
@@ -308,7 +314,7 @@ impl<'a> Lane<'a> {
             return false;
         }
         if let Some(ledger) = &mut self.ledger {
-            self.observer.book(ledger, settings, input);
+            self.observer.record_energy(ledger, settings, input);
         }
         true
     }
@@ -379,8 +385,8 @@ fn step_all(
     let descriptions = own.iter().map(|lane| &lane.at_rest.description).collect();
     let mut group = group(descriptions, states, &setup.settings, lanes)?;
     let (mut angles, mut velocities) = ([0.0; BODIES], [0.0; BODIES]);
-    let mut inputs = vec![Input::Free; lanes.count().max(own.len())];
-    let mut outcomes = vec![Outcome::Converged; inputs.len()];
+    let mut inputs = vec![SiteInput::Free; lanes.count().max(own.len())];
+    let mut outcomes = vec![StepOutcome::Converged; inputs.len()];
     let steps = setup.check()?;
     let h = setup.settings.step;
     for (i, lane) in own.iter_mut().enumerate() {
@@ -403,9 +409,9 @@ fn step_all(
         group.step_or_rest(&inputs, &mut outcomes);
         for (i, lane) in own.iter_mut().enumerate().filter(|(_, lane)| lane.failed.is_none()) {
             match outcomes[i] {
-                Outcome::Converged => {}
-                Outcome::IterationLimit => lane.unconverged_steps += 1,
-                Outcome::NonFinite | Outcome::TooManyLaws => {
+                StepOutcome::Converged => {}
+                StepOutcome::IterationLimit => lane.unconverged_steps += 1,
+                StepOutcome::NonFinite | StepOutcome::TooManyLaws => {
                     lane.failed = Some(SimulationError::NonFinite { time_s: t0 });
                     continue;
                 }
@@ -444,8 +450,8 @@ fn first_states(
     if begins_at_m.iter().all(|at| *at <= 0.0) {
         return Ok(at_rest);
     }
-    let finger = |(lane, at): (&&mut Lane, &f64)| Input::Motion { position: lane.rest.site_m + at, velocity: 0.0 };
-    let inputs: Vec<Input<f64>> = own.iter().zip(&begins_at_m).map(finger).collect();
+    let finger = |(lane, at): (&&mut Lane, &f64)| SiteInput::Motion { position: lane.rest.site_m + at, velocity: 0.0 };
+    let inputs: Vec<SiteInput<f64>> = own.iter().zip(&begins_at_m).map(finger).collect();
     let descriptions: Vec<&OwnedDescription> = own.iter().map(|lane| &lane.at_rest.description).collect();
     let settled = rests_of(&descriptions, &at_rest, &inputs, lanes.in_doubles(), progress)?;
     let mut states = at_rest;

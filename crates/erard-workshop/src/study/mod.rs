@@ -15,7 +15,7 @@ mod rests;
 mod sampling;
 mod topology;
 
-pub use axis::{Axis, GRADING, MOST, Source, Target};
+pub use axis::{Axis, GRADING, MAX_STROKES, Source, Target};
 pub use grid::{Column, Grid, Row, doubts, measured_title};
 pub use job::{Job, JobResult, Played, Stroke};
 pub(crate) use rests::rests;

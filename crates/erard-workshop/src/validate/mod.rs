@@ -14,7 +14,7 @@ mod touches;
 mod values;
 
 pub use presses::{Drive, Loudness, SimulatedPress, measure as loudness};
-pub use published::{Kind, Published, PublishedError, Row};
+pub use published::{Published, PublishedError, PublishedKind, PublishedRow};
 pub use strings::Skipped;
 pub use values::names;
 
@@ -135,7 +135,7 @@ pub fn validate(
     let flex = Flex { key_m_per_n: key_flex_m_per_n(instrument), shank_m_per_n: shank_flex_m_per_n(instrument) };
     let found = Simulated { sheet, loudness, touches, release, flex };
     let value = |name: &str| values::value(name, &found);
-    let verdict = |row: &Row| {
+    let verdict = |row: &PublishedRow| {
         let Some(name) = row.measure.as_deref() else { return Verdict::Silent };
         match strung.value(name).or_else(|| keys::value(name, keys)) {
             Some(Ok(found)) => row.judge(found),
@@ -169,13 +169,13 @@ impl Validation {
                 groups.len() - 1
             });
             let tally = match row.kind {
-                Kind::Set => &mut groups[at].set,
-                Kind::Predicted => &mut groups[at].predicted,
+                PublishedKind::Set => &mut groups[at].set,
+                PublishedKind::Predicted => &mut groups[at].predicted,
             };
             tally.met += usize::from(matches!(verdict, Verdict::Met { .. }));
             tally.judged +=
                 usize::from(matches!(verdict, Verdict::Met { .. } | Verdict::Missed { .. } | Verdict::Absent));
-            if row.kind == Kind::Predicted {
+            if row.kind == PublishedKind::Predicted {
                 squares[at].extend(row.z(verdict).map(|z| z * z));
             }
         }

@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 use crate::measure::MeasureError;
 use erard::Progress;
 use erard::instrument::Instrument;
-use erard::level::{FORCES_N as HAND_FORCES_N, Kind, LevelError, MASS_KG, Reference, Solved};
+use erard::level::{FORCES_N as HAND_FORCES_N, HandKind, LevelError, MASS_KG, Reference, Solved};
 use erard::player::{self};
 use erard::run::{Run, Setup, SimulationError, press_by_hand, simulate};
 use erard::stroke::{HandStroke, Touch};
@@ -247,7 +247,7 @@ pub(super) fn hand_at(
     progress: &mut Progress<'_>,
 ) -> Result<Option<Solved>, SimulationError> {
     let solved = Reference::new(instrument, progress)
-        .and_then(|mut reference| reference.solve(Kind { touch, mass_kg: MASS_KG }, speed_m_per_s, progress));
+        .and_then(|mut reference| reference.solve(HandKind { touch, mass_kg: MASS_KG }, speed_m_per_s, progress));
     match solved {
         Ok(solved) => Ok(Some(solved)),
         Err(LevelError::Interrupted) => Err(SimulationError::Interrupted),

@@ -27,26 +27,26 @@ pub struct Published {
     pub sources: BTreeMap<String, Source>,
     /// The rows.
     #[serde(rename = "row")]
-    pub rows: Vec<Row>,
+    pub rows: Vec<PublishedRow>,
 }
 
 /// Whether a row tests the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum PublishedKind {
     /// The instrument was built, weighed or regulated to this number.
     Set,
     /// A prediction of the model.
     Predicted,
 }
 
-impl Kind {
+impl PublishedKind {
     /// Name in the table.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Set => "set",
-            Kind::Predicted => "predicted",
+            PublishedKind::Set => "set",
+            PublishedKind::Predicted => "predicted",
         }
     }
 }
@@ -54,7 +54,7 @@ impl Kind {
 /// Published number.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Row {
+pub struct PublishedRow {
     /// Identifier, unique.
     pub name: String,
     /// Name of the quantity, for display.
@@ -62,8 +62,8 @@ pub struct Row {
     /// Name of its group.
     pub group: String,
     /// Whether the row tests the model.
-    pub kind: Kind,
-    /// Quantity by which the instrument was set to the number; only for [`Kind::Set`].
+    pub kind: PublishedKind,
+    /// Quantity by which the instrument was set to the number; only for [`PublishedKind::Set`].
     pub set_by: Option<String>,
     /// Simulated value for the comparison, one of [`super::names`]; `None` if the model has none.
     pub measure: Option<String>,
@@ -139,7 +139,7 @@ impl Published {
             if !table.groups.contains_key(&row.group) {
                 return wrong(format!("`group` is `{}`; expected one of `groups`", row.group));
             }
-            if (row.kind == Kind::Set) != row.set_by.is_some() {
+            if (row.kind == PublishedKind::Set) != row.set_by.is_some() {
                 return wrong(format!(
                     "`kind` is `{}`; expected `set_by` of rows that are set, and of no other",
                     row.kind.name()
@@ -169,7 +169,7 @@ impl Published {
     }
 }
 
-impl Row {
+impl PublishedRow {
     /// Takes ranges from the table of usual ranges.
     fn take_usual(&mut self) -> Result<(), PublishedError> {
         let wrong = |what: &str| Err(PublishedError::Row { row: self.name.clone(), what: what.into() });

@@ -1,13 +1,13 @@
 //! Targets of the screws' lines: the middle of each range, except dip and blow, which determine the aftertouch.
 
-use super::Worked;
+use super::WorklistResult;
 use super::hand::{Work, screw_step};
 use super::list::{DECIDE, REGULATION};
 use super::planner::{Planner, Priority, is_surely_out};
-use super::readings::{Quantity, Readings};
+use super::readings::{ReadingQuantity, Readings};
 use crate::regulate::{Goal, Specification};
 
-use Quantity::{Aftertouch, Blow, Check, Dip, Drop, JackPosition, LetOff, LeverHeight};
+use ReadingQuantity::{Aftertouch, Blow, Check, Dip, Drop, JackPosition, LetOff, LeverHeight};
 
 /// Key travel per hammer travel, for changes of the aftertouch by the blow.
 pub(super) const KEY_PER_HAMMER: f64 = 0.19;
@@ -54,11 +54,11 @@ impl CapstanStep {
 }
 
 /// Targets by line.
-pub(super) type Aims = Vec<(Quantity, f64)>;
+pub(super) type Aims = Vec<(ReadingQuantity, f64)>;
 
 impl Planner<'_, '_> {
     /// Returns the targets of the lines that are out of range, or have been brought close to its end.
-    pub(super) fn aims(&mut self) -> Worked<Aims> {
+    pub(super) fn aims(&mut self) -> WorklistResult<Aims> {
         let mut aims: Aims = REGULATION
             .into_iter()
             .filter(|quantity| self.is_out(*quantity) || self.is_at_risk(*quantity))
@@ -125,7 +125,7 @@ impl Planner<'_, '_> {
     /// their copies. Its target tolerates the same factor of error either way: the change is the geometric mean of
     /// those to the two ends of the range. A check's wire moves its distance by even more uncertain amounts, but is
     /// bent until the hammer is caught where it should be: in the middle, or as far from here as can be seen.
-    pub(super) fn aim(&self, quantity: Quantity) -> f64 {
+    pub(super) fn aim(&self, quantity: ReadingQuantity) -> f64 {
         let middle = quantity.aim(self.key);
         let [low, high] = quantity.range(self.key);
         match self.now.get(quantity) {
@@ -157,7 +157,7 @@ impl Planner<'_, '_> {
     /// on which side it is.
     ///
     /// Dip and blow move the check distance, and on a piano by more or less than on the copy.
-    pub(super) fn is_at_risk(&self, quantity: Quantity) -> bool {
+    pub(super) fn is_at_risk(&self, quantity: ReadingQuantity) -> bool {
         let Some(now) = self.now.get(quantity) else { return false };
         match quantity {
             Check => self.has_done(&[Dip, Blow]) && self.is_check_at_risk(now),
@@ -178,17 +178,17 @@ impl Planner<'_, '_> {
     }
 
     /// Distance of a value from the nearer end of its range; negative outside.
-    fn room(&self, quantity: Quantity, value: f64) -> f64 {
+    fn room(&self, quantity: ReadingQuantity, value: f64) -> f64 {
         let [low, high] = quantity.range(self.key);
         (value - low).min(high - value)
     }
 
     /// Turns the copy's capstan by one step.
-    fn capstan_step(&mut self) -> Worked<CapstanStep> {
+    fn capstan_step(&mut self) -> WorklistResult<CapstanStep> {
         let mut step = CapstanStep { blow_mm: Blow.least_change(), key_per_hammer: KEY_PER_HAMMER };
         if let Some(name) = self.screw_of(Goal::Blow) {
             let (_, turned) = self.tried(&Work::Screw { name, by: screw_step(name) })?;
-            let by = |quantity: Quantity| Some(turned.get(quantity)? - self.own.get(quantity)?);
+            let by = |quantity: ReadingQuantity| Some(turned.get(quantity)? - self.own.get(quantity)?);
             if let Some(blow_mm) = by(Blow).filter(|by| by.abs() > Blow.precision()) {
                 step.blow_mm = blow_mm.abs();
                 step.key_per_hammer = by(Aftertouch).map_or(KEY_PER_HAMMER, |by| (-by / blow_mm).max(0.0));
@@ -198,7 +198,7 @@ impl Planner<'_, '_> {
     }
 
     /// Returns the readings expected with these lines at their targets, without weighing.
-    fn with_distances_at(&mut self, aims: &Aims) -> Worked<Readings> {
+    fn with_distances_at(&mut self, aims: &Aims) -> WorklistResult<Readings> {
         let asked: Specification = aims
             .iter()
             .filter(|(quantity, _)| DECIDE.contains(quantity))
@@ -216,8 +216,8 @@ impl Planner<'_, '_> {
     /// With aftertouch first, both are chosen so that all three lie as far inside their ranges as a hand needs, with
     /// little work. With dip first, the dip stays if it is in its range, or goes to the middle.
     fn dip_and_blow(&self, [dip, blow]: [f64; 2], aftertouch: f64, capstan: &CapstanStep) -> [f64; 2] {
-        let room = |quantity: Quantity, value: f64, room: f64| (self.room(quantity, value) / room).min(1.0);
-        let here = |quantity: Quantity, other: f64| self.now.get(quantity).unwrap_or(other);
+        let room = |quantity: ReadingQuantity, value: f64, room: f64| (self.room(quantity, value) / room).min(1.0);
+        let here = |quantity: ReadingQuantity, other: f64| self.now.get(quantity).unwrap_or(other);
         let after =
             |[new_dip, new_blow]: [f64; 2]| aftertouch + (new_dip - dip) - capstan.key_per_hammer * (new_blow - blow);
         let gain = |new_dip: f64, new_blow: f64| {
@@ -230,7 +230,7 @@ impl Planner<'_, '_> {
             least - WORK * work
         };
         // Only changes that a hand makes, from where they are.
-        let reachable = |quantity: Quantity, here: f64| {
+        let reachable = |quantity: ReadingQuantity, here: f64| {
             let [low, high] = quantity.range(self.key);
             let step = if quantity == Blow { capstan.blow_mm } else { quantity.least_change() };
             // Where the range cannot be reached, nearer to it.

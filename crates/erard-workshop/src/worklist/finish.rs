@@ -2,16 +2,16 @@
 
 use std::collections::VecDeque;
 
-use super::Worked;
+use super::WorklistResult;
 use super::hand::Work;
 use super::list::{Item, Left, REGULATION, Why, Worklist};
 use super::planner::{Done, Planner, can_be_seen};
-use super::readings::{Quantity, Readings};
+use super::readings::{ReadingQuantity, Readings};
 use erard::instrument::Instrument;
 
 impl Planner<'_, '_> {
     /// Makes the list, from the copy as it was when the work began, its own readings, and the piano's.
-    pub(super) fn finish(mut self, begun: &Instrument, own: Readings, readings: Readings) -> Worked<Worklist> {
+    pub(super) fn finish(mut self, begun: &Instrument, own: Readings, readings: Readings) -> WorklistResult<Worklist> {
         let is_weight = |done: &Done| matches!(done.work, Work::Leads(_) | Work::FrontWeight { .. });
         let (weights, mut others): (Vec<Done>, Vec<Done>) =
             merged(std::mem::take(&mut self.done)).into_iter().partition(is_weight);
@@ -28,7 +28,7 @@ impl Planner<'_, '_> {
         // Weights come right after the regulation.
         let own = self.carry_out(others, own, &mut list)?;
         self.carry_out(weights, own, &mut list)?;
-        for quantity in Quantity::ALL {
+        for quantity in ReadingQuantity::ALL {
             let why = self.why.iter().find(|left| left.quantity == quantity).map(|left| left.why.clone());
             // Only the copy knows what could not be read.
             if list.after.is_out(quantity, self.key) || why == Some(Why::Unreadable) {
@@ -42,7 +42,7 @@ impl Planner<'_, '_> {
     ///
     /// A line that makes its reading worse at its place waits for the others: one of them may need it. If none does, it
     /// was made after a line that came to nothing.
-    fn carry_out(&mut self, lines: Vec<Done>, mut own: Readings, list: &mut Worklist) -> Worked<Readings> {
+    fn carry_out(&mut self, lines: Vec<Done>, mut own: Readings, list: &mut Worklist) -> WorklistResult<Readings> {
         let (mut queue, mut waits, mut has_changed) = (VecDeque::from(lines), Vec::new(), false);
         loop {
             let Some(Done { quantity, work, instead }) = queue.pop_front() else {
@@ -55,7 +55,7 @@ impl Planner<'_, '_> {
             let Some(work) = work.in_steps() else { continue };
             // Its wire is bent for what dip and blow did when it was planned; they may have been planned anew.
             let is_right = |check: f64| !self.is_check_at_risk(check);
-            if quantity == Quantity::Check && list.after.get(quantity).is_some_and(is_right) {
+            if quantity == ReadingQuantity::Check && list.after.get(quantity).is_some_and(is_right) {
                 continue;
             }
             let mut copy = list.copy.clone();

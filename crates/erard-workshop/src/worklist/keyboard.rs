@@ -8,11 +8,11 @@ use erard::keyboard::KEYS;
 
 use super::hand::Work;
 use super::list::Why;
-use super::readings::Quantity;
+use super::readings::ReadingQuantity;
 use super::weights::{balance_for, best_friction_g, friction_change_g};
 use crate::balance::{BalancedKey, KeyModel, LEAST_BALANCE_G, MeasuredKey, Plan, Target, median, plan};
 
-use Quantity::FrictionWeight;
+use ReadingQuantity::FrictionWeight;
 
 /// Fewest keys for a median balance weight.
 const FEWEST: usize = 4;

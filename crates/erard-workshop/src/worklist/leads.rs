@@ -1,14 +1,14 @@
 //! Leads: present ones are moved or taken out before any is added.
 
-use super::Worked;
+use super::WorklistResult;
 use super::hand::{FRONT_G, Work};
 use super::list::Why;
 use super::planner::{Planner, is_surely_out};
-use super::readings::{Quantity, Readings};
+use super::readings::{ReadingQuantity, Readings};
 use super::weights::{WEIGHED, balance_for};
 use crate::balance::{LEADS_G, Lead, lead_work};
 
-use Quantity::{BalanceWeight, FrictionWeight, FrontWeight, Ratio, StrikeWeight};
+use ReadingQuantity::{BalanceWeight, FrictionWeight, FrontWeight, Ratio, StrikeWeight};
 
 /// Change of a front weight, g.
 pub(super) struct Change {
@@ -22,7 +22,7 @@ pub(super) struct Change {
 
 impl Planner<'_, '_> {
     /// Chooses leads for the balance weight with the largest margin, with the front weight under its ceiling.
-    pub(super) fn leads(&mut self, leads: &[Lead]) -> Worked<()> {
+    pub(super) fn leads(&mut self, leads: &[Lead]) -> WorklistResult<()> {
         self.weigh()?;
         let out = self.out_of(&self.now);
         // A front weight above its ceiling alone stays: the weights leave no room for less lead.
@@ -70,7 +70,7 @@ impl Planner<'_, '_> {
     }
 
     /// Down-weight, up-weight and balance weight, where these readings have them out of range.
-    fn out_of(&self, readings: &Readings) -> Vec<Quantity> {
+    fn out_of(&self, readings: &Readings) -> Vec<ReadingQuantity> {
         WEIGHED.into_iter().filter(|quantity| readings.is_out(*quantity, self.key)).collect()
     }
 
@@ -104,7 +104,7 @@ impl Planner<'_, '_> {
     /// Less of a front weight, g: down-weight, up-weight and balance weight fall by it, and none that is in its range
     /// may leave it. Where no balance weight suits all three, the middle between them would bring another one out.
     fn bringing_none_out(&self, now: &Readings, by_g: f64) -> f64 {
-        let room = |quantity: Quantity| {
+        let room = |quantity: ReadingQuantity| {
             let [low, high] = quantity.range(self.key);
             now.get(quantity).map_or(0.0, |now| if by_g > 0.0 { now - low } else { high - now })
         };

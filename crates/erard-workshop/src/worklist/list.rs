@@ -1,25 +1,25 @@
 //! The list: its lines, what stays out of range, and why.
 
-use super::Worked;
+use super::WorklistResult;
 use super::hand::Work;
-use super::readings::{Quantity, Readings};
+use super::readings::{ReadingQuantity, Readings};
 use erard::Progress;
 use erard::instrument::Instrument;
 
-use Quantity::{
+use ReadingQuantity::{
     Blow, Check, Damper, Dip, DownWeight, Drop, FrontWeight, JackPosition, LetOff, LeverHeight, Spring, UpWeight,
 };
 
 /// Lines with screws, in the trade's order of work. Aftertouch has no screw: it follows from dip and blow.
-pub(super) const REGULATION: [Quantity; 9] =
+pub(super) const REGULATION: [ReadingQuantity; 9] =
     [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop, Check, Spring, Damper];
 /// Lines that determine the aftertouch.
-pub(super) const DECIDE: [Quantity; 6] = [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop];
+pub(super) const DECIDE: [ReadingQuantity; 6] = [Dip, Blow, JackPosition, LeverHeight, LetOff, Drop];
 /// A line of work.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Item {
     /// Quantity that the work corrects.
-    pub quantity: Quantity,
+    pub quantity: ReadingQuantity,
     /// The work.
     pub work: Work,
     /// Alternative work.
@@ -84,7 +84,7 @@ pub enum Why {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Left {
     /// The line.
-    pub quantity: Quantity,
+    pub quantity: ReadingQuantity,
     /// Reason.
     pub why: Why,
 }
@@ -109,7 +109,7 @@ pub struct Worklist {
 impl Worklist {
     /// Whether a line of these readings is out of its range.
     #[must_use]
-    pub fn is_out(&self, quantity: Quantity, readings: &Readings) -> bool {
+    pub fn is_out(&self, quantity: ReadingQuantity, readings: &Readings) -> bool {
         readings.is_out(quantity, self.key)
     }
 
@@ -124,7 +124,7 @@ impl Worklist {
     ///
     /// # Errors
     /// See [`super::WorklistError`].
-    pub fn first(&self, lines: usize, begun: &Instrument, progress: &mut Progress<'_>) -> Worked<Worklist> {
+    pub fn first(&self, lines: usize, begun: &Instrument, progress: &mut Progress<'_>) -> WorklistResult<Worklist> {
         let items: Vec<Item> = self.items.iter().take(lines).cloned().collect();
         let mut copy = begun.clone();
         for item in &items {

@@ -29,7 +29,7 @@ pub use keyboard_copy::carry_out;
 pub use list::{Item, Left, Why, Worklist};
 pub use plan::worklist;
 pub use planner::Priority;
-pub use readings::{Quantity, Readings};
+pub use readings::{ReadingQuantity, Readings};
 pub use settle::{GaveUp, Settled, is_usual_aftertouch, regulate_to_aftertouch, usual_aftertouch_m};
 pub use twin::twin;
 
@@ -51,4 +51,4 @@ pub enum WorklistError {
 }
 
 /// Result of work on a list.
-pub(crate) type Worked<T> = Result<T, WorklistError>;
+pub(crate) type WorklistResult<T> = Result<T, WorklistError>;

@@ -1,12 +1,12 @@
 //! Order of work: friction first, because it is in every weight; then hammer and capstan line, because they undo every
 //! screw; then the screws in the trade's order; the leads last.
 
-use super::Worked;
+use super::WorklistResult;
 use super::aims::Aims;
 use super::hand::{Work, screw_step};
 use super::list::{Left, REGULATION, Why, Worklist};
 use super::planner::{Done, Planner, Priority, is_surely_out};
-use super::readings::{Quantity, Readings, is_seen_to_drop};
+use super::readings::{ReadingQuantity, Readings, is_seen_to_drop};
 use super::weights::{WEIGHED, best_friction_g, eased_by_g, friction_under_ceiling_g};
 use crate::balance::{KeyModel, Lead};
 use crate::distances::Protocol;
@@ -16,7 +16,7 @@ use crate::weighing::Scale;
 use erard::Progress;
 use erard::instrument::Instrument;
 
-use Quantity::{
+use ReadingQuantity::{
     Aftertouch, BalanceWeight, Blow, Check, Dip, DownWeight, Drop, FrictionWeight, FrontWeight, JackPosition, LetOff,
     LeverHeight, Ratio, Spring, StrikeWeight, UpWeight,
 };
@@ -44,7 +44,7 @@ pub fn worklist(
     leads: &[Lead],
     priority: Priority,
     progress: &mut Progress<'_>,
-) -> Worked<Worklist> {
+) -> WorklistResult<Worklist> {
     let mut scale = Scale::default();
     let own = Readings::weighed(copy, &mut scale, progress)?;
     let mut planner = Planner {
@@ -96,7 +96,7 @@ impl Planner<'_, '_> {
 
     /// Returns the readings with every screw at its target: a jack or a lever out of place shows as friction and
     /// leverage.
-    fn as_if_regulated(&mut self, aims: &Aims) -> Worked<Readings> {
+    fn as_if_regulated(&mut self, aims: &Aims) -> WorklistResult<Readings> {
         let asked: Specification = aims.iter().filter_map(|(quantity, aim)| self.target(*quantity, *aim)).collect();
         if asked.is_empty() {
             return Ok(self.now);
@@ -107,7 +107,7 @@ impl Planner<'_, '_> {
     }
 
     /// Changes friction to where all weights have room, allowing for the effects of screws and lighter parts.
-    fn friction(&mut self, aims: &Aims) -> Worked<()> {
+    fn friction(&mut self, aims: &Aims) -> WorklistResult<()> {
         let then = self.as_if_regulated(aims)?;
         let (Some(now_g), Some(then_g)) = (self.now.get(FrictionWeight), then.get(FrictionWeight)) else {
             return Ok(());
@@ -163,7 +163,7 @@ impl Planner<'_, '_> {
     }
 
     /// Friction weight that will go with changes of hammer and leverage, g.
-    fn friction_of_parts(&mut self, then: &Readings) -> Worked<f64> {
+    fn friction_of_parts(&mut self, then: &Readings) -> WorklistResult<f64> {
         let before = (self.copy.clone(), self.own, self.now, self.done.len());
         self.parts(then)?;
         let later_g = before.2.get(FrictionWeight).zip(self.now.get(FrictionWeight)).map(|(then, now)| then - now);
@@ -173,7 +173,7 @@ impl Planner<'_, '_> {
     }
 
     /// Corrects hammer and capstan line, once friction is in its range.
-    fn leverage(&mut self, aims: &Aims) -> Worked<()> {
+    fn leverage(&mut self, aims: &Aims) -> WorklistResult<()> {
         let then = self.as_if_regulated(aims)?;
         if !self.is_out(FrictionWeight) {
             return self.parts(&then);
@@ -187,7 +187,7 @@ impl Planner<'_, '_> {
     }
 
     /// Corrects hammer and capstan line if they are surely out once the screws are at their targets.
-    fn parts(&mut self, then: &Readings) -> Worked<()> {
+    fn parts(&mut self, then: &Readings) -> WorklistResult<()> {
         if is_surely_out(StrikeWeight, then, self.key)
             && let Some(strike_g) = then.get(StrikeWeight)
         {
@@ -209,13 +209,13 @@ impl Planner<'_, '_> {
 
     /// Whether a line is out, if at all, because of the expected effects of earlier lines, and by less than their
     /// error.
-    fn is_doubtful(&self, quantity: Quantity) -> bool {
+    fn is_doubtful(&self, quantity: ReadingQuantity) -> bool {
         let beyond = self.now.beyond(quantity, self.key);
         self.is_moved(quantity) && beyond > 0.0 && beyond < DOUBT * self.moved(quantity)
     }
 
     /// Sets the screws, in the trade's order.
-    fn regulation(&mut self, aims: &Aims) -> Worked<()> {
+    fn regulation(&mut self, aims: &Aims) -> WorklistResult<()> {
         for quantity in REGULATION {
             if quantity == Check && self.is_unreadable(Check) {
                 self.bend_toward_the_hammer()?;
@@ -253,7 +253,7 @@ impl Planner<'_, '_> {
     }
 
     /// Bends the check's wire by a little toward a hammer that drops and is not caught, once in a list.
-    fn bend_toward_the_hammer(&mut self) -> Worked<()> {
+    fn bend_toward_the_hammer(&mut self) -> WorklistResult<()> {
         if self.has_done(&[Check]) || self.is_unreadable(LetOff) || self.copy.screw("back_check").is_none() {
             return Ok(());
         }
@@ -261,7 +261,7 @@ impl Planner<'_, '_> {
     }
 
     /// Sets a line to its target with its own screw, in steps of the hand, or records why it stays out.
-    fn set(&mut self, quantity: Quantity, aim: f64) -> Worked<()> {
+    fn set(&mut self, quantity: ReadingQuantity, aim: f64) -> WorklistResult<()> {
         let Some((goal, value)) = self.target(quantity, aim) else {
             if self.is_out(quantity) {
                 self.leave(quantity, Why::NoScrew);
@@ -299,7 +299,7 @@ impl Planner<'_, '_> {
     }
 
     /// Tries one step more or less if the line is out, and keeps it if that brings it in or nearer to the target.
-    fn step_nearer(&mut self, quantity: Quantity, aim: f64, name: &'static str) -> Worked<()> {
+    fn step_nearer(&mut self, quantity: ReadingQuantity, aim: f64, name: &'static str) -> WorklistResult<()> {
         let key = self.key;
         let off = |now: &Readings| {
             let from_aim = now.get(quantity).map_or(f64::INFINITY, |value| (value - aim).abs());
@@ -321,7 +321,7 @@ impl Planner<'_, '_> {
     }
 
     /// Repeats lines that later ones have disturbed. Returns whether there were any.
-    fn again(&mut self) -> Worked<bool> {
+    fn again(&mut self) -> WorklistResult<bool> {
         let count = self.done.len();
         let given_up = |planner: &Self, quantity| planner.why.iter().any(|left| left.quantity == quantity);
         let mut screws = [Aftertouch].into_iter().chain(REGULATION);

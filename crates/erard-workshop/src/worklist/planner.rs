@@ -1,9 +1,9 @@
 //! A copy of the key on which a list is worked out, and the readings expected on the piano.
 
-use super::Worked;
+use super::WorklistResult;
 use super::hand::Work;
 use super::list::{Left, Why};
-use super::readings::{Quantity, Readings};
+use super::readings::{ReadingQuantity, Readings};
 use crate::distances::Protocol;
 use crate::regulate::{Goal, Specification, Status, regulate};
 use crate::weighing::Scale;
@@ -22,7 +22,7 @@ pub enum Priority {
 
 /// Work done on the copy, in order.
 pub(super) struct Done {
-    pub quantity: Quantity,
+    pub quantity: ReadingQuantity,
     pub work: Work,
     pub instead: Option<Work>,
 }
@@ -48,12 +48,12 @@ pub(super) struct Planner<'a, 'p> {
 }
 
 impl Planner<'_, '_> {
-    pub(super) fn is_out(&self, quantity: Quantity) -> bool {
+    pub(super) fn is_out(&self, quantity: ReadingQuantity) -> bool {
         self.now.is_out(quantity, self.key)
     }
 
     /// Tries a piece of work on the copy and returns the copy's readings after it; screws do not need weighing.
-    pub(super) fn tried(&mut self, work: &Work) -> Worked<(Instrument, Readings)> {
+    pub(super) fn tried(&mut self, work: &Work) -> WorklistResult<(Instrument, Readings)> {
         let mut copy = self.copy.clone();
         work.carry_out_on(&mut self.scale, &mut copy, self.progress)?;
         let own = match work {
@@ -70,7 +70,12 @@ impl Planner<'_, '_> {
     }
 
     /// Carries out a piece of work, in whole steps.
-    pub(super) fn do_it(&mut self, quantity: Quantity, work: &Work, instead: Option<Work>) -> Worked<()> {
+    pub(super) fn do_it(
+        &mut self,
+        quantity: ReadingQuantity,
+        work: &Work,
+        instead: Option<Work>,
+    ) -> WorklistResult<()> {
         if let Some(work) = work.in_steps() {
             if !matches!(work, Work::Screw { .. }) {
                 self.weigh()?;
@@ -87,7 +92,7 @@ impl Planner<'_, '_> {
     }
 
     /// Weighs the copy if screws have been turned since.
-    pub(super) fn weigh(&mut self) -> Worked<()> {
+    pub(super) fn weigh(&mut self) -> WorklistResult<()> {
         if !self.weighed {
             let own = Readings::weighed(&self.copy, &mut self.scale, self.progress)?;
             self.now = self.now.moved(&self.own, &own);
@@ -96,7 +101,7 @@ impl Planner<'_, '_> {
         Ok(())
     }
 
-    pub(super) fn leave(&mut self, quantity: Quantity, why: Why) {
+    pub(super) fn leave(&mut self, quantity: ReadingQuantity, why: Why) {
         self.clear(quantity);
         if !self.is_unreadable(quantity) {
             self.why.push(Left { quantity, why });
@@ -104,26 +109,26 @@ impl Planner<'_, '_> {
     }
 
     /// Forgets why a line stays out. An unreadable line stays unreadable.
-    pub(super) fn clear(&mut self, quantity: Quantity) {
+    pub(super) fn clear(&mut self, quantity: ReadingQuantity) {
         self.why.retain(|left| left.quantity != quantity || left.why == Why::Unreadable);
     }
 
-    pub(super) fn is_unreadable(&self, quantity: Quantity) -> bool {
+    pub(super) fn is_unreadable(&self, quantity: ReadingQuantity) -> bool {
         self.why.iter().any(|left| left.quantity == quantity && left.why == Why::Unreadable)
     }
 
     /// Change of a reading expected from earlier lines; 0 without a reading before or after.
-    pub(super) fn moved(&self, quantity: Quantity) -> f64 {
+    pub(super) fn moved(&self, quantity: ReadingQuantity) -> f64 {
         self.read.get(quantity).zip(self.now.get(quantity)).map_or(0.0, |(read, now)| (now - read).abs())
     }
 
     /// Whether that exceeds the reading's precision.
-    pub(super) fn is_moved(&self, quantity: Quantity) -> bool {
+    pub(super) fn is_moved(&self, quantity: ReadingQuantity) -> bool {
         self.moved(quantity) > quantity.precision()
     }
 
     /// Whether work on one of these lines has been done.
-    pub(super) fn has_done(&self, quantities: &[Quantity]) -> bool {
+    pub(super) fn has_done(&self, quantities: &[ReadingQuantity]) -> bool {
         self.done.iter().any(|done| quantities.contains(&done.quantity))
     }
 
@@ -133,7 +138,7 @@ impl Planner<'_, '_> {
     }
 
     /// Setting of the copy's screw that brings the piano's reading to its target, in SI units.
-    pub(super) fn target(&self, quantity: Quantity, aim: f64) -> Option<(Goal, f64)> {
+    pub(super) fn target(&self, quantity: ReadingQuantity, aim: f64) -> Option<(Goal, f64)> {
         let goal = quantity.goal()?;
         self.screw_of(goal)?;
         let by = self.now.get(quantity).zip(self.own.get(quantity));
@@ -141,7 +146,7 @@ impl Planner<'_, '_> {
         Some((goal, value / quantity.factor()))
     }
 
-    pub(super) fn regulated(&mut self, copy: &Instrument, asked: &Specification) -> Worked<Instrument> {
+    pub(super) fn regulated(&mut self, copy: &Instrument, asked: &Specification) -> WorklistResult<Instrument> {
         let mut going = |status: &Status| (self.progress)(status.share);
         Ok(regulate(copy, asked, &Protocol::default(), &mut going)?.instrument)
     }
@@ -149,13 +154,13 @@ impl Planner<'_, '_> {
 
 /// Whether a line's reading changes by at least its least change; true without a reading before or after. (A thousandth
 /// of it allows for rounding.)
-pub(super) fn can_be_seen(quantity: Quantity, before: &Readings, after: &Readings) -> bool {
+pub(super) fn can_be_seen(quantity: ReadingQuantity, before: &Readings, after: &Readings) -> bool {
     let change = before.get(quantity).zip(after.get(quantity)).map(|(before, after)| (after - before).abs());
     change.is_none_or(|change| change >= 0.999 * quantity.least_change())
 }
 
 /// Whether a line is out by more than the reading's error: for work that cannot be undone.
-pub(super) fn is_surely_out(quantity: Quantity, readings: &Readings, key: usize) -> bool {
+pub(super) fn is_surely_out(quantity: ReadingQuantity, readings: &Readings, key: usize) -> bool {
     let beyond = readings.beyond(quantity, key);
     beyond.is_finite() && beyond > quantity.precision()
 }

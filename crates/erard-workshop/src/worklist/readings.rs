@@ -10,14 +10,14 @@ use crate::weighing::Scale;
 use erard::Progress;
 use erard::instrument::Instrument;
 
-use Quantity::{
+use ReadingQuantity::{
     Aftertouch, BalanceWeight, Blow, Check, Damper, Dip, DownWeight, Drop, FrictionWeight, FrontWeight, JackPosition,
     LetOff, LeverHeight, Ratio, Spring, StrikeWeight, UpWeight,
 };
 
 /// A line of the sheet that work can set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Quantity {
+pub enum ReadingQuantity {
     /// D, g.
     DownWeight,
     /// U, g.
@@ -54,9 +54,9 @@ pub enum Quantity {
     Damper,
 }
 
-impl Quantity {
+impl ReadingQuantity {
     /// All quantities, in the order of the sheet's columns.
-    pub const ALL: [Quantity; 17] = [
+    pub const ALL: [ReadingQuantity; 17] = [
         DownWeight,
         UpWeight,
         BalanceWeight,
@@ -183,7 +183,7 @@ impl Quantity {
 /// Readings of one key; `None` if the event did not happen, or was not measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Readings {
-    values: [Option<f64>; Quantity::ALL.len()],
+    values: [Option<f64>; ReadingQuantity::ALL.len()],
     /// KR WW, weight of the whippen at the key's front, g. It is needed for the ratio; only work on the capstan changes
     /// it.
     whippen_at_front_g: f64,
@@ -193,7 +193,7 @@ impl Readings {
     /// Empty readings, with the weight of the whippen at the key's front, g.
     #[must_use]
     pub(crate) fn none(whippen_at_front_g: f64) -> Self {
-        Readings { values: [None; Quantity::ALL.len()], whippen_at_front_g }
+        Readings { values: [None; ReadingQuantity::ALL.len()], whippen_at_front_g }
     }
 
     /// Reads an instrument as it is: two trials with the key, one slow loop with the damper lifted, and the scale.
@@ -238,7 +238,7 @@ impl Readings {
     }
 
     fn with_distances(mut self, distances: &Distances) -> Self {
-        for quantity in Quantity::ALL {
+        for quantity in ReadingQuantity::ALL {
             if let Some(goal) = quantity.goal() {
                 self.set(quantity, goal.of(distances).map(|value| value * quantity.factor()));
             }
@@ -251,7 +251,7 @@ impl Readings {
     #[must_use]
     pub fn on(sheet: &Sheet) -> Self {
         let mut readings = Self::none(sheet.key_ratio * sheet.whippen_weight_g);
-        for quantity in Quantity::ALL {
+        for quantity in ReadingQuantity::ALL {
             readings.set(quantity, (quantity.line().value)(sheet).filter(|value| value.is_finite()));
         }
         readings
@@ -259,8 +259,8 @@ impl Readings {
 
     /// Returns the reading of a quantity.
     #[must_use]
-    pub fn get(&self, quantity: Quantity) -> Option<f64> {
-        let own = |quantity: Quantity| self.values[quantity as usize];
+    pub fn get(&self, quantity: ReadingQuantity) -> Option<f64> {
+        let own = |quantity: ReadingQuantity| self.values[quantity as usize];
         match quantity {
             BalanceWeight => Some(0.5 * (own(DownWeight)? + own(UpWeight)?)),
             FrictionWeight => Some(0.5 * (own(DownWeight)? - own(UpWeight)?)),
@@ -273,7 +273,7 @@ impl Readings {
     }
 
     /// Sets a reading. Balance weight, friction weight and ratio follow from the others and cannot be set.
-    pub fn set(&mut self, quantity: Quantity, value: Option<f64>) {
+    pub fn set(&mut self, quantity: ReadingQuantity, value: Option<f64>) {
         if !matches!(quantity, BalanceWeight | FrictionWeight | Ratio) {
             self.values[quantity as usize] = value;
         }
@@ -281,14 +281,14 @@ impl Readings {
 
     /// Whether a reading is out of its usual range at a key.
     #[must_use]
-    pub fn is_out(&self, quantity: Quantity, key: usize) -> bool {
+    pub fn is_out(&self, quantity: ReadingQuantity, key: usize) -> bool {
         quantity.line().is_out_at(self.get(quantity), key)
     }
 
     /// Returns the distance of a reading from its range, in the line's unit: 0 inside, infinite if it is missing and
     /// should not be.
     #[must_use]
-    pub fn beyond(&self, quantity: Quantity, key: usize) -> f64 {
+    pub fn beyond(&self, quantity: ReadingQuantity, key: usize) -> f64 {
         let [low, high] = quantity.range(key);
         match self.get(quantity) {
             _ if !self.is_out(quantity, key) => 0.0,
@@ -302,7 +302,7 @@ impl Readings {
     pub(super) fn moved(&self, before: &Readings, after: &Readings) -> Readings {
         let mut moved = *self;
         moved.whippen_at_front_g += after.whippen_at_front_g - before.whippen_at_front_g;
-        for (quantity, value) in Quantity::ALL.into_iter().zip(&mut moved.values) {
+        for (quantity, value) in ReadingQuantity::ALL.into_iter().zip(&mut moved.values) {
             let at = quantity as usize;
             *value = match (*value, before.values[at], after.values[at]) {
                 // A copy whose hammer does not drop gives no change of a drop, or of an aftertouch.

@@ -2,7 +2,7 @@
 
 use super::aims::KEY_PER_HAMMER;
 use super::planner::Priority;
-use super::readings::Quantity;
+use super::readings::ReadingQuantity;
 use crate::distances::{Distances, Protocol};
 use crate::measure::norms::norms_key;
 use crate::regulate::{Goal, RegulateError, Regulated, Specification, Status, regulate, regulate_following};
@@ -39,14 +39,14 @@ pub struct Settled {
 /// Usual range of an instrument's aftertouch, m.
 #[must_use]
 pub fn usual_aftertouch_m(instrument: &Instrument) -> [f64; 2] {
-    range_m(Quantity::Aftertouch, norms_key(instrument))
+    range_m(ReadingQuantity::Aftertouch, norms_key(instrument))
 }
 
 /// Whether an instrument's aftertouch is in its usual range, as the sheet reads it.
 #[must_use]
 pub fn is_usual_aftertouch(instrument: &Instrument, distances: &Distances) -> bool {
     let aftertouch_mm = distances.aftertouch_m.map(|m| 1e3 * m);
-    !Quantity::Aftertouch.line().is_out_at(aftertouch_mm, norms_key(instrument))
+    !ReadingQuantity::Aftertouch.line().is_out_at(aftertouch_mm, norms_key(instrument))
 }
 
 /// Regulates a copy of an instrument, and again with another blow ([`Priority::Dip`]), or another dip and then another
@@ -100,24 +100,24 @@ pub fn regulate_to_aftertouch(
     Ok(Settled { regulated, gave_up, is_settled })
 }
 
-fn range_m(quantity: Quantity, key: usize) -> [f64; 2] {
+fn range_m(quantity: ReadingQuantity, key: usize) -> [f64; 2] {
     quantity.range(key).map(|end| end / quantity.factor())
 }
 
 /// Returns dip and blow for an aftertouch inside its range by the reading's error, from the dip and the blow that gave
 /// `aftertouch`, m.
 fn dip_and_blow(key: usize, priority: Priority, asked: (f64, f64), set: (f64, f64), aftertouch: f64) -> (f64, f64) {
-    let room_m = Quantity::Aftertouch.precision() / Quantity::Aftertouch.factor();
-    let [low, high] = range_m(Quantity::Aftertouch, key);
+    let room_m = ReadingQuantity::Aftertouch.precision() / ReadingQuantity::Aftertouch.factor();
+    let [low, high] = range_m(ReadingQuantity::Aftertouch, key);
     let mut missing = aftertouch.clamp(low + room_m, high - room_m) - aftertouch;
     let (mut dip, mut blow) = set;
     if priority == Priority::Aftertouch {
-        dip = within(key, Quantity::Dip, asked.0, set.0 + whole(missing, DIP_STEP_M));
+        dip = within(key, ReadingQuantity::Dip, asked.0, set.0 + whole(missing, DIP_STEP_M));
         missing -= dip - set.0;
     }
     // Less blow is more aftertouch. A difference below one paper needs no other blow.
     if missing.abs() > DIP_STEP_M {
-        blow = within(key, Quantity::Blow, asked.1, set.1 - whole(missing / KEY_PER_HAMMER, BLOW_STEP_M));
+        blow = within(key, ReadingQuantity::Blow, asked.1, set.1 - whole(missing / KEY_PER_HAMMER, BLOW_STEP_M));
     }
     (dip, blow)
 }
@@ -128,7 +128,7 @@ fn whole(value: f64, step: f64) -> f64 {
 }
 
 /// Clamps to the usual range, widened to the requested value.
-fn within(key: usize, quantity: Quantity, asked_m: f64, value_m: f64) -> f64 {
+fn within(key: usize, quantity: ReadingQuantity, asked_m: f64, value_m: f64) -> f64 {
     let [low, high] = range_m(quantity, key);
     value_m.clamp(low.min(asked_m), high.max(asked_m))
 }

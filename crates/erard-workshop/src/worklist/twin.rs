@@ -1,8 +1,8 @@
 //! A model adjusted to the readings of a piano whose parameters are unknown.
 
-use super::Worked;
+use super::WorklistResult;
 use super::hand::{Rubs, Work, ease};
-use super::readings::{Quantity, Readings, is_seen_to_drop};
+use super::readings::{ReadingQuantity, Readings, is_seen_to_drop};
 use crate::balance::KeyModel;
 use crate::distances::{Distances, Protocol};
 use crate::regulate::{Goal, Specification, Status, regulate};
@@ -24,16 +24,16 @@ const MAX_SHIFTS: u32 = 3;
 ///
 /// # Errors
 /// See [`super::WorklistError`].
-pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>) -> Worked<Instrument> {
+pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>) -> WorklistResult<Instrument> {
     let own = KeyModel::of(model)?;
     let mut twin = model.clone();
-    if let Some(strike_g) = readings.get(Quantity::StrikeWeight) {
+    if let Some(strike_g) = readings.get(ReadingQuantity::StrikeWeight) {
         Work::Hammer { by_g: strike_g - own.strike_weight_g }.carry_out(&mut twin, progress)?;
     }
-    if let Some(front_g) = readings.get(Quantity::FrontWeight) {
+    if let Some(front_g) = readings.get(ReadingQuantity::FrontWeight) {
         Work::FrontWeight { by_g: front_g - own.front_weight_g }.carry_out(&mut twin, progress)?;
     }
-    let mut goals: Specification = Quantity::ALL
+    let mut goals: Specification = ReadingQuantity::ALL
         .into_iter()
         .filter_map(|quantity| {
             let goal = quantity.goal()?;
@@ -41,7 +41,7 @@ pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>
             // Missing readings are no goals: their screw stays, and the other goals decide. A hammer that does not drop
             // is held up by a screw at least so far out of place.
             let value = readings.get(quantity).filter(|_| has_screw)?;
-            let value = if quantity == Quantity::Drop { value.max(LEAST_DROP_MM) } else { value };
+            let value = if quantity == ReadingQuantity::Drop { value.max(LEAST_DROP_MM) } else { value };
             Some((goal, value / quantity.factor()))
         })
         .collect();
@@ -61,7 +61,7 @@ pub fn twin(model: &Instrument, readings: &Readings, progress: &mut Progress<'_>
         }
     }
     let mut scale = Scale::default();
-    if let Some(friction_g) = readings.get(Quantity::FrictionWeight)
+    if let Some(friction_g) = readings.get(ReadingQuantity::FrictionWeight)
         && let Some(own_g) = scale.touch(&twin, progress)?.friction_weight_g()
         && (friction_g - own_g).abs() > FRICTION_CLOSE_G
     {
@@ -81,11 +81,11 @@ fn shift(copy: &Distances, goals: &Specification, readings: &Readings) -> Option
     let asked_m = goals.iter().find(|(goal, _)| *goal == Goal::Blow).map(|(_, value)| *value);
     let is_short = asked_m
         .zip(Goal::Blow.of(copy))
-        .is_some_and(|(asked_m, own_m)| 1e3 * (asked_m - own_m) > Quantity::Blow.precision());
+        .is_some_and(|(asked_m, own_m)| 1e3 * (asked_m - own_m) > ReadingQuantity::Blow.precision());
     if is_short {
         // A hammer that already lies on its rail comes no farther down, and the capstan leaves the heel.
         Some((Goal::Blow, NEARER_M))
-    } else if is_seen_to_drop(readings.get(Quantity::Drop)) && !is_seen_to_drop(own_drop_mm) {
+    } else if is_seen_to_drop(readings.get(ReadingQuantity::Drop)) && !is_seen_to_drop(own_drop_mm) {
         // Its key ends before the jack lets off, as the piano's does not.
         Some((Goal::Dip, DEEPER_M))
     } else {

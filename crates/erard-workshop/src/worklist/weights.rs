@@ -1,10 +1,11 @@
 //! Possible weights of a key: down-weight, up-weight, balance weight and friction weight all in their ranges.
 
 use super::hand::{FRICTION_FOUND_G, Work};
-use super::readings::Quantity;
+use super::readings::ReadingQuantity;
 
 /// Weights that leads change, all by as much.
-pub(super) const WEIGHED: [Quantity; 3] = [Quantity::DownWeight, Quantity::UpWeight, Quantity::BalanceWeight];
+pub(super) const WEIGHED: [ReadingQuantity; 3] =
+    [ReadingQuantity::DownWeight, ReadingQuantity::UpWeight, ReadingQuantity::BalanceWeight];
 
 /// A balance weight, and the least margin of the readings that depend on it inside their ranges (negative: outside).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,9 +17,9 @@ pub(super) struct Balance {
 /// Returns the balance weight farthest from the ends of the ranges of D = B + F, U = B - F and B, at a friction weight.
 #[must_use]
 pub(super) fn balance_for(friction_g: f64, key: usize) -> Balance {
-    let of = |quantity: Quantity| quantity.range(key);
+    let of = |quantity: ReadingQuantity| quantity.range(key);
     let ([d_low, d_high], [u_low, u_high], [b_low, b_high]) =
-        (of(Quantity::DownWeight), of(Quantity::UpWeight), of(Quantity::BalanceWeight));
+        (of(ReadingQuantity::DownWeight), of(ReadingQuantity::UpWeight), of(ReadingQuantity::BalanceWeight));
     let low = b_low.max(d_low - friction_g).max(u_low + friction_g);
     let high = b_high.min(d_high - friction_g).min(u_high + friction_g);
     Balance { balance_g: 0.5 * (low + high), margin_g: 0.5 * (high - low) }
@@ -26,7 +27,7 @@ pub(super) fn balance_for(friction_g: f64, key: usize) -> Balance {
 
 /// Friction weight in its range with the largest margin.
 fn best_of(key: usize, margin: impl Fn(f64) -> f64) -> f64 {
-    let [low, high] = Quantity::FrictionWeight.range(key);
+    let [low, high] = ReadingQuantity::FrictionWeight.range(key);
     const STEPS: u32 = 200;
     let margin = |friction_g: f64| margin(friction_g).min(friction_g - low).min(high - friction_g);
     (0..=STEPS)
@@ -69,7 +70,7 @@ pub(super) fn eased_by_g(friction_g: f64, aim_g: f64) -> f64 {
 /// either side of the target, the one that ends in the range, or else nearest to it.
 #[must_use]
 pub(super) fn friction_change_g(friction_g: f64, aim_g: f64, key: usize) -> f64 {
-    let [low, high] = Quantity::FrictionWeight.range(key);
+    let [low, high] = ReadingQuantity::FrictionWeight.range(key);
     let step = Work::Friction { by_g: 0.0 }.step();
     let steps = ((aim_g - friction_g) / step).floor();
     let off = |by_g: &f64| {

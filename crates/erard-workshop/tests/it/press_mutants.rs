@@ -435,7 +435,7 @@ fn distrusts_alike(seeds: std::ops::Range<u64>) {
         let kinds = |warnings: &[erard::trust::Warning]| {
             let mut kinds: Vec<_> = warnings.iter().map(|w| (w.kind, w.part.clone())).collect();
             // Where lanes round differently, chaotic motion diverges; so may the count of unconverged steps.
-            kinds.retain(|(kind, _)| *kind != erard::trust::Kind::UnconvergedSteps);
+            kinds.retain(|(kind, _)| *kind != erard::trust::WarningKind::UnconvergedSteps);
             kinds
         };
         compared += 1;

@@ -9,7 +9,8 @@ use std::fmt::Write;
 use erard::instrument::{Instrument, InstrumentFile, json_schema, numbers_at};
 use erard::keyboard::Keyboard;
 use erard::parameter::{
-    ChangeError, FileNumber, NameError, Parameter, Quantity, Wanted, aliases, number_of, register, varied, varied_text,
+    ChangeError, FileNumber, NameError, Parameter, ParameterChange, Quantity, aliases, number_of, register, varied,
+    varied_text,
 };
 use erard_workshop::diagnose::{causes, inject, injected_amount};
 use erard_workshop::dials::{Group, dials, with_dials};
@@ -246,7 +247,7 @@ fn changed(text: &str, name: &str, value: f64) -> Result<Instrument, ChangeError
     let changes = if value == 0.0 { ["+0.001", "+1e-7", "-1e-7"] } else { ["x1.001", "x0.999", "x1.0000001"] };
     let mut last = None;
     for change in changes {
-        match varied(text, "varied", &[(name.to_owned(), Wanted::Text(change.to_owned()))]) {
+        match varied(text, "varied", &[(name.to_owned(), ParameterChange::Text(change.to_owned()))]) {
             Ok(file) => return Ok(file.instrument),
             Err(error @ ChangeError::Idle(_)) => return Err(error),
             Err(error) => last = Some(error),
@@ -498,7 +499,7 @@ fn studies_fits_and_sensitivities_take_every_parameter() {
         for name in aliases(&entry.name) {
             assert_eq!(Parameter::named(&file.instrument, &name).unwrap().0, entry.name, "{name}");
         }
-        let change = Wanted::Text("x1.0001".to_owned());
+        let change = ParameterChange::Text("x1.0001".to_owned());
         if entry.parameter.is_factor() && numbers_at(text, &entry.path).is_some() {
             let new = varied_text(text, "varied", &entry.name, &change).unwrap();
             let paths: BTreeSet<String> = differing(&numbers_of(text), &numbers_of(&new))

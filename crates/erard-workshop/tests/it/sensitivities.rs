@@ -7,7 +7,7 @@ mod compare;
 
 use erard::gradient::{Direction, GradientError, How, Poses, follow};
 use erard::instrument::Dwell;
-use erard::level::{Kind, MASS_KG, Reference};
+use erard::level::{HandKind, MASS_KG, Reference};
 use erard::stroke::{Stroke, Touch};
 use erard::{Action, Input, Instrument, Settings, Setup};
 use erard_workshop::sensitivities::{
@@ -84,7 +84,7 @@ fn the_rest_moves_as_that_of_a_press_or_is_held() {
         let mut action = Action::with(&varied, Settings::new(5e-6)).unwrap();
         if held {
             action.mechanism_mut().restore(&rest);
-            action.rest_here(&varied);
+            action.set_reference_pose(&varied);
         }
         while action.impact().is_none() {
             assert!(action.time_s() < 0.2, "{name} {by}");
@@ -114,7 +114,7 @@ fn the_rest_moves_as_that_of_a_press_or_is_held() {
 fn what_does_not_converge_is_refused() {
     let name = "concert-grand";
     let (instrument, text) = (Instrument::builtin(name).unwrap(), Instrument::builtin_text(name).unwrap());
-    let kind = Kind { touch: Touch::Pressed, mass_kg: MASS_KG };
+    let kind = HandKind { touch: Touch::Pressed, mass_kg: MASS_KG };
     let hand = Reference::new(&instrument, &mut |_| true).unwrap().solve(kind, 5.0, &mut |_| true).unwrap().held();
     let setup = Setup { settings: Settings::new(25e-6), ledger: false, hand: Some(hand.hand), ..Setup::new(0.06) };
     let stroke = || -> erard_workshop::study::Stroke<'static> { Box::new(move |t| hand.input(t)) };

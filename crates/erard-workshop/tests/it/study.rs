@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use crate::common::{grand, tremolo};
 use erard::instrument::Instrument;
 use erard::one_dof;
-use erard::parameter::{Parameter, Wanted};
+use erard::parameter::{Parameter, ParameterChange};
 use erard::player;
 use erard::run::Run;
 use erard::run::{Setup, SimulationError, simulate};
@@ -328,7 +328,7 @@ fn a_grid_plays_every_combination() {
     let instrument = grand();
     let text = Instrument::builtin_text("concert-grand").expect("built in");
     let mass = instrument.bodies.iter().find(|body| body.name == "hammer").expect("a hammer").mass_kg;
-    let lighter = vec![("body.key.mass".to_owned(), Wanted::Text("x0.9".to_owned()))];
+    let lighter = vec![("body.key.mass".to_owned(), ParameterChange::Text("x0.9".to_owned()))];
     let source = Source::Text { text: text.to_owned(), changes: lighter };
     let axes = [
         Axis::of_values("body.hammer.mass_g", vec![1e3 * mass, -1.0], &instrument, &source).expect("a number"),

@@ -4,7 +4,8 @@ use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
 use erard_workshop::measure::norms::{MIDDLE_C, lines};
 use erard_workshop::validate::{
-    GroupResult, Kind, Published, PublishedError, Row, Skipped, Tally, Validation, Verdict, names, validate,
+    GroupResult, Published, PublishedError, PublishedKind, PublishedRow, Skipped, Tally, Validation, Verdict, names,
+    validate,
 };
 
 /// Rows that the shipped grands miss, with reasons in the table. All others are met.
@@ -98,8 +99,9 @@ fn meets(grand: usize) {
     // Only instruments with strings have the rows on strings, except the largest force and the return at middle C,
     // which a rigid string has, too; rows without a published number are shown, and neither met nor missed.
     let (skipped, open) = (those(|v| matches!(v, Verdict::Skipped(_))), those(|v| matches!(v, Verdict::Open { .. })));
-    let on_strings =
-        |row: &&Row| row.measure.as_deref().is_some_and(|name| STRING_ROWS.iter().any(|part| name.starts_with(part)));
+    let on_strings = |row: &&PublishedRow| {
+        row.measure.as_deref().is_some_and(|name| STRING_ROWS.iter().any(|part| name.starts_with(part)))
+    };
     let of_strings = published.rows.iter().filter(on_strings).map(|row| row.name.as_str());
     if grand.has_yielding_strings() {
         let nothing_published = ["peak", "return", "damped_c4", "damped_c6"];
@@ -133,9 +135,10 @@ fn meets(grand: usize) {
 
 /// Rows on strings without a keyboard, by their key.
 fn validate_strings_alone(grand: &Instrument, published: &Published) -> Vec<(&'static str, Verdict)> {
-    let only =
-        |row: &&Row| row.measure.as_deref().is_some_and(|name| STRING_ROWS.iter().any(|part| name.starts_with(part)));
-    let rows: Vec<Row> = published.rows.iter().filter(only).cloned().collect();
+    let only = |row: &&PublishedRow| {
+        row.measure.as_deref().is_some_and(|name| STRING_ROWS.iter().any(|part| name.starts_with(part)))
+    };
+    let rows: Vec<PublishedRow> = published.rows.iter().filter(only).cloned().collect();
     let keys = rows.iter().map(|row| {
         let name = row.measure.clone().unwrap();
         ["a0", "c4", "c6", "c8"].into_iter().find(|key| name.contains(&format!("_{key}"))).unwrap()
@@ -151,7 +154,8 @@ fn validate_strings_alone(grand: &Instrument, published: &Published) -> Vec<(&'s
 fn the_table_uses_all_it_has() {
     let published = Published::builtin();
     for name in names() {
-        let asks = |row: &&Row| [&row.measure, &row.beside].into_iter().any(|asked| asked.as_deref() == Some(name));
+        let asks =
+            |row: &&PublishedRow| [&row.measure, &row.beside].into_iter().any(|asked| asked.as_deref() == Some(name));
         assert_eq!(published.rows.iter().filter(asks).count(), 1, "{name}");
     }
     for source in published.sources.keys() {
@@ -180,8 +184,8 @@ fn usual_ranges_are_those_of_the_sheet() {
 #[test]
 fn groups_are_counted_apart() {
     let published = Published::builtin();
-    let verdict = |row: &Row| match (row.at_least, row.at_most) {
-        (Some(_), Some(high)) if row.kind == Kind::Predicted => row.judge(Some(high)),
+    let verdict = |row: &PublishedRow| match (row.at_least, row.at_most) {
+        (Some(_), Some(high)) if row.kind == PublishedKind::Predicted => row.judge(Some(high)),
         (low, high) => row.judge(low.or(high).map(|end| end - 1e-9)),
     };
     let verdicts: Vec<Verdict> = published.rows.iter().map(verdict).collect();
@@ -201,9 +205,10 @@ fn groups_are_counted_apart() {
         assert!((group - 1.0).abs() < 1e-12, "{group}");
     }
     let judged = |of: fn(&GroupResult) -> Tally| groups.iter().map(of).map(|tally| tally.judged).sum::<usize>();
-    let sets = published.rows.iter().filter(|row| row.kind == Kind::Set).count();
+    let sets = published.rows.iter().filter(|row| row.kind == PublishedKind::Set).count();
     assert_eq!(judged(|group| group.set), sets);
-    let ranged = |row: &&Row| row.kind == Kind::Predicted && (row.at_least.is_some() || row.at_most.is_some());
+    let ranged =
+        |row: &&PublishedRow| row.kind == PublishedKind::Predicted && (row.at_least.is_some() || row.at_most.is_some());
     // A row without a measure has no range, and one without a range counts neither way.
     assert!(judged(|group| group.predicted) >= published.rows.iter().filter(ranged).count());
 }

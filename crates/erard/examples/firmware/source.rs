@@ -6,7 +6,7 @@ use std::fmt::Write;
 use erard::assembly::describe;
 use erard::damper::damper_height_m;
 use erard::{Action, Instrument};
-use moreau::{Body, Curve, Exponent, Felt, GROUND, Loss, Site, Spring, Zone};
+use moreau::{Body, ContactCurve, Exponent, Felt, GROUND, Loss, Site, Spring, Zone};
 
 /// The built-in concert grand.
 pub fn grand() -> String {
@@ -18,7 +18,7 @@ fn source(name: &str, instrument: &Instrument) -> String {
     let rest = Action::new(instrument).expect("it comes to rest");
     let mut out = format!(
         "//! The built-in instrument `{name}`. Written by `.ci/regenerate firmware`: do not edit.\n\n\
-         use moreau::{{Body, Curve, Exponent, Felt, GROUND, Iwan, Loss, Scalar, Site, Spring, Zone}};\n\n\
+         use moreau::{{Body, ContactCurve, Exponent, Felt, GROUND, Iwan, Loss, Scalar, Site, Spring, Zone}};\n\n\
          pub const BODIES: usize = {};\npub(crate) const SPRINGS: usize = {};\npub const ZONES: usize = {};\n\
          /// Room for the set-valued laws.\npub(crate) const LAWS: usize = {};\n\
          pub(crate) const GRAVITY: f64 = {:?};\n/// Where it rests, friction included, rad.\npub(crate) const REST: [f64; BODIES] = {:?};\n\
@@ -109,17 +109,21 @@ fn zone(z: &Zone<f64>) -> String {
     )
 }
 
-fn curve(c: &Curve<f64>) -> String {
+fn curve(c: &ContactCurve<f64>) -> String {
     match *c {
-        Curve::Line { point, normal } => format!("Curve::Line {{ point: {}, normal: {} }}", v(point), v(normal)),
-        Curve::Segment { from, direction, length, rounding } => format!(
-            "Curve::Segment {{ from: {}, direction: {}, length: {}, rounding: {} }}",
+        ContactCurve::Line { point, normal } => {
+            format!("ContactCurve::Line {{ point: {}, normal: {} }}", v(point), v(normal))
+        }
+        ContactCurve::Segment { from, direction, length, rounding } => format!(
+            "ContactCurve::Segment {{ from: {}, direction: {}, length: {}, rounding: {} }}",
             v(from),
             v(direction),
             t(length),
             t(rounding)
         ),
-        Curve::Disc { center, radius } => format!("Curve::Disc {{ center: {}, radius: {} }}", v(center), t(radius)),
+        ContactCurve::Disc { center, radius } => {
+            format!("ContactCurve::Disc {{ center: {}, radius: {} }}", v(center), t(radius))
+        }
     }
 }
 

@@ -6,7 +6,8 @@ use erard::assembly;
 use erard::instrument::{Curve, Instrument};
 use erard::stroke::{Cursor, ForceSeries, Series, Touch};
 use moreau::{
-    Accuracy, Controller, Input, Model, Outcome, Settings, State, StepDoubling, Workspace, controlled_step, step,
+    Accuracy, Controller, Model, Settings, SiteInput, State, StepDoubling, StepOutcome, Workspace, controlled_step,
+    step,
 };
 use moreau_kernels::Lanes;
 use moreau_kernels::{OwnedDescription, Saved, SideBySide, Size, Stepping, side_by_side};
@@ -119,7 +120,7 @@ impl Steps {
         match self {
             Steps::Fixed(h) | Steps::FixedOrRest(h) => Settings::new(h),
             Steps::Loose(h) => loose(h),
-            Steps::Controlled(_) => Settings::new(LARGEST_STEP_S),
+            Steps::Controlled(_) => Settings::new(MAX_STEP_S),
         }
     }
 }
@@ -135,7 +136,7 @@ pub fn loose(h: f64) -> Settings<f64> {
 
 /// Limits of adaptive steps and their first attempt, s.
 const SMALLEST_STEP_S: f64 = 1e-8;
-const LARGEST_STEP_S: f64 = 1e-3;
+const MAX_STEP_S: f64 = 1e-3;
 const FIRST_STEP_S: f64 = 50e-6;
 
 /// Newton iterations for the instant at which the string is met: a flight within a step is almost straight.
@@ -245,7 +246,7 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
     pub fn play(&self, steps: Steps, force: impl Fn(f64) -> f64, instants: &[f64]) -> Played {
         let end = instants.last().copied().unwrap_or(0.0);
         let theta = Settings::<f64>::new(1e-3).theta;
-        let input = |t: f64, h: f64| Input::Force(force(t + theta * h));
+        let input = |t: f64, h: f64| SiteInput::Force(force(t + theta * h));
         let mut start = Instant::now();
         let mut state = State::at_rest(std::array::from_fn(|i| self.rest[i]));
         let mut watch = Watch::new(self.strike, &self.links, &state.angle, instants);
@@ -264,7 +265,7 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
                 for n in 0..(end / h).ceil() as u64 {
                     let t = n as f64 * h;
                     let report = engine.step(&input(t, h)).report;
-                    assert_ne!(report.outcome, Outcome::NonFinite, "at {t} s");
+                    assert_ne!(report.outcome, StepOutcome::NonFinite, "at {t} s");
                     let now = engine.readout();
                     watch.look(t, h, now.angles, now.velocities);
                     taken += 1;
@@ -272,7 +273,7 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
                 state.angle.copy_from_slice(&engine.readout().angles[..B]);
             }
             Steps::Controlled(tolerance) => {
-                let accuracy = Accuracy::new(tolerance, SMALLEST_STEP_S, LARGEST_STEP_S);
+                let accuracy = Accuracy::new(tolerance, SMALLEST_STEP_S, MAX_STEP_S);
                 let mut controller = Controller::<f64, Z>::new(FIRST_STEP_S);
                 let mut halves = StepDoubling::<f64, B, Z, N>::new(&settings);
                 let mut t = 0.0;
@@ -289,7 +290,7 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
                         &mut state,
                         &mut halves,
                     );
-                    assert_ne!(did.outcome, Outcome::NonFinite, "at {t} s");
+                    assert_ne!(did.outcome, StepOutcome::NonFinite, "at {t} s");
                     watch.look(t, did.step, &state.angle, &state.velocity);
                     t += did.step;
                     taken += u64::from(did.inner);
@@ -325,9 +326,9 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
             }
             let settings = Settings { step: h, ..*settings };
             let predicted = state.increment;
-            let input = Input::Force(force(t + settings.theta * h));
+            let input = SiteInput::Force(force(t + settings.theta * h));
             let did = step(&self.model, &settings, &input, &mut state, &mut workspace);
-            assert_ne!(did.outcome, Outcome::NonFinite, "at {t} s");
+            assert_ne!(did.outcome, StepOutcome::NonFinite, "at {t} s");
             watch.look(t, h, &state.angle, &state.velocity);
             missed = (0..B)
                 .map(|i| (state.increment[i] - predicted[i]).abs() / (1.0 + state.velocity[i].abs()))
@@ -361,15 +362,16 @@ impl<const B: usize, const Z: usize, const N: usize> Action<B, Z, N> {
         let (mut angles, mut velocities) = ([0.0; 12], [0.0; 12]);
         angles[..B].copy_from_slice(&self.rest);
         let mut watches: Vec<_> = scales.iter().map(|_| Watch::new(self.strike, &self.links, &angles, &[])).collect();
-        let (mut inputs, mut outcomes) = (vec![Input::Free; scales.len()], vec![Outcome::Converged; scales.len()]);
+        let (mut inputs, mut outcomes) =
+            (vec![SiteInput::Free; scales.len()], vec![StepOutcome::Converged; scales.len()]);
         for n in 0..(self.press_s / h).ceil() as u64 {
             let t = n as f64 * h;
             let force_n = force(t + theta * h);
             for (input, scale) in inputs.iter_mut().zip(scales) {
-                *input = Input::Force(scale * force_n);
+                *input = SiteInput::Force(scale * force_n);
             }
             group.step_or_rest(&inputs, &mut outcomes);
-            assert!(!outcomes.contains(&Outcome::NonFinite), "at {t} s");
+            assert!(!outcomes.contains(&StepOutcome::NonFinite), "at {t} s");
             for (lane, watch) in watches.iter_mut().enumerate() {
                 group.motion(lane, &mut angles, &mut velocities);
                 watch.look(t, h, &angles, &velocities);

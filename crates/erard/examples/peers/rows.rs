@@ -18,7 +18,7 @@ const REFERENCE_STEP_S: f64 = 6.25e-6 / 128.0;
 /// So many of them in a quick run.
 const QUICK_STEPS: usize = 12;
 /// Blows in a batch: each factor once in every lane.
-const MOST_LANES: usize = 16;
+const MAX_LANES: usize = 16;
 const HOLD_STEPS_S: [f64; 3] = [100e-6, 50e-6, 25e-6];
 
 /// Tolerances of the rows with adaptive steps.
@@ -142,7 +142,7 @@ fn batch<const B: usize, const Z: usize, const N: usize>(
     );
     // Neighbours in the lanes differ.
     let groups: Vec<Vec<f64>> = (0..SCALES.len())
-        .map(|first| (0..MOST_LANES).map(|lane| SCALES[(first + lane) % SCALES.len()]).collect())
+        .map(|first| (0..MAX_LANES).map(|lane| SCALES[(first + lane) % SCALES.len()]).collect())
         .collect();
     let (mut best_s, mut strikes) = (f64::INFINITY, Vec::new());
     for _ in 0..repetitions {
@@ -163,13 +163,13 @@ fn batch<const B: usize, const Z: usize, const N: usize>(
         });
         assert_eq!(played.len(), cores, "a thread failed");
         let slowest_s = played.iter().map(|(_, seconds)| *seconds).fold(0.0, f64::max);
-        best_s = best_s.min(slowest_s / (cores * groups.len() * MOST_LANES) as f64);
+        best_s = best_s.min(slowest_s / (cores * groups.len() * MAX_LANES) as f64);
         strikes = played.into_iter().flat_map(|(strikes, _)| strikes).collect();
     }
     // The first blow of every group: each factor once.
     let blows: Vec<_> = SCALES
         .iter()
-        .zip(strikes.chunks(MOST_LANES))
+        .zip(strikes.chunks(MAX_LANES))
         .map(|(&scale, group)| blow(scale, group[0], best_s, (action.press_s / step_s).ceil() as u64))
         .collect();
     let mut row = json!({

@@ -22,7 +22,7 @@ pub use moreau_kernels::{DIRECTIONS, Number};
 pub use start::Poses;
 pub use watch::{Instants, QUANTITIES};
 
-use moreau::{Input, ModelError, Real, Settings, Switch, SwitchKind, TangentError, TangentReport};
+use moreau::{ModelError, Real, Settings, SiteInput, Switch, SwitchKind, TangentError, TangentReport};
 use moreau_kernels::{Tangents, tangents};
 use thiserror::Error;
 
@@ -324,11 +324,19 @@ impl Places {
     }
 
     /// The engine's input, as [`player::rest::Rest::input`] gives it.
-    fn input(&self, drive: &Drive<'_>, t0: f64, h: f64, theta: f64, correction_s: f64, at: Number) -> Input<Number> {
+    fn input(
+        &self,
+        drive: &Drive<'_>,
+        t0: f64,
+        h: f64,
+        theta: f64,
+        correction_s: f64,
+        at: Number,
+    ) -> SiteInput<Number> {
         match drive(t0 + theta * h) {
-            player::Input::Free => Input::Free,
-            player::Input::Force(force_n) => Input::Force(Number { value: force_n, slope: self.force }),
-            player::Input::Motion { position_m, velocity_m_per_s } => Input::Motion {
+            player::Input::Free => SiteInput::Free,
+            player::Input::Force(force_n) => SiteInput::Force(Number { value: force_n, slope: self.force }),
+            player::Input::Motion { position_m, velocity_m_per_s } => SiteInput::Motion {
                 position: self.site + Number::constant(position_m),
                 velocity: Number::constant(velocity_m_per_s),
             },
@@ -339,9 +347,9 @@ impl Places {
                     _ => 0.0,
                 };
                 let back = Number::constant(player::rest::RIGID_CORRECTION / correction_s);
-                Input::Rigid { velocity: Number::constant(velocity) + back * behind }
+                SiteInput::Rigid { velocity: Number::constant(velocity) + back * behind }
             }
-            player::Input::Hand(hand) => Input::Hand(moreau::Hand {
+            player::Input::Hand(hand) => SiteInput::Hand(moreau::SiteHand {
                 mass: Number::constant(hand.mass_kg),
                 force: Number { value: hand.force_n, slope: self.force },
                 stiffness: Number::constant(hand.stiffness_n_per_m),

@@ -27,7 +27,7 @@ impl Poses {
     /// # Errors
     /// An instrument that cannot be assembled or does not come to rest.
     pub fn of(instrument: &Instrument, begins_at_m: f64, progress: &mut Progress<'_>) -> Result<Self, SimulationError> {
-        let mut action = Action::asking(instrument, Settings::new(instrument.usual_step_s()), progress)?;
+        let mut action = Action::with_progress(instrument, Settings::new(instrument.usual_step_s()), progress)?;
         let rest = action.mechanism().save().state;
         if begins_at_m > 0.0 {
             let finger = Input::Motion { position_m: begins_at_m, velocity_m_per_s: 0.0 };

@@ -6,7 +6,7 @@
 //! compliance, locks the bends ([`Instrument::locked`]): the pieces become one rigid body, as drawn.
 
 use super::placement::Placement;
-use super::{Body, Curve, Instrument, InstrumentFields, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone};
+use super::{Body, Curve, DrawnPart, Instrument, InstrumentFields, Roles, Screw, ScrewAction, Spring, Vec2, Zone};
 
 impl Instrument {
     /// Whether any part bends.
@@ -180,9 +180,9 @@ impl Rigid {
         Some(Screw { action, ..screw.clone() })
     }
 
-    fn part(&self, part: &Part) -> Part {
+    fn part(&self, part: &DrawnPart) -> DrawnPart {
         let place = self.place(part.body);
-        Part {
+        DrawnPart {
             body: self.body(part.body),
             outline_m: part.outline_m.iter().map(|&corner| place.to_world(corner)).collect(),
             ..part.clone()

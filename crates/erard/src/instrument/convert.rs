@@ -13,8 +13,8 @@ use super::quantity::{At, KeyName, Num, Pair, Positive, Real};
 use super::reader::{G_PER_KG, GROUND, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name, title};
 use super::strings::{read_bridge, read_strings};
 use super::{
-    Body, Curve, Dwell, Finger, Instrument, InstrumentFields, MAX_BODIES, MAX_CORNERS, MAX_PARTS, MAX_SCREWS,
-    MAX_SPRINGS, MAX_ZONES, Origin, Part, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
+    Body, Curve, DrawnPart, Dwell, Finger, Instrument, InstrumentFields, MAX_BODIES, MAX_CORNERS, MAX_PARTS,
+    MAX_SCREWS, MAX_SPRINGS, MAX_ZONES, Origin, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
 };
 use crate::key::{EXPECTED, key_named};
 
@@ -581,7 +581,7 @@ fn misplaced(span: Range<usize>, with: &str) -> Fault {
     )
 }
 
-fn read_part(table: &At<PartToml>, reader: &mut Reader<'_>, instrument: &Instrument) -> Result<Part, Fault> {
+fn read_part(table: &At<PartToml>, reader: &mut Reader<'_>, instrument: &Instrument) -> Result<DrawnPart, Fault> {
     let body = body_or_ground(&table.body, instrument)?;
     let outline = &table.outline_mm;
     if !(3..=MAX_CORNERS).contains(&outline.len()) {
@@ -605,5 +605,11 @@ fn read_part(table: &At<PartToml>, reader: &mut Reader<'_>, instrument: &Instrum
     };
     let values = outline.iter().flat_map(|corner| corner.0).collect();
     reader.numbers.push(ReadNumber { span: outline.span(), values, citation });
-    Ok(Part { name: title(&table.name, "a part")?, body, material: table.material, outline_m, smooth: table.smooth })
+    Ok(DrawnPart {
+        name: title(&table.name, "a part")?,
+        body,
+        material: table.material,
+        outline_m,
+        smooth: table.smooth,
+    })
 }

@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 use super::error::{Fault, FileError};
 
 /// Longest excerpt of the file that an error quotes, in characters.
-const LONGEST_EXCERPT: usize = 60;
+const MAX_EXCERPT_LENGTH: usize = 60;
 
 /// Every key of a document with the spans of its name and of its value.
 pub(crate) struct KeyMap {
@@ -140,14 +140,14 @@ fn left_of_equals(text: &str, byte: usize) -> String {
         None if line.starts_with('[') => line.trim().trim_matches(['[', ']']),
         None => "",
     };
-    if name.starts_with('#') || name.chars().count() > LONGEST_EXCERPT { String::new() } else { name.to_owned() }
+    if name.starts_with('#') || name.chars().count() > MAX_EXCERPT_LENGTH { String::new() } else { name.to_owned() }
 }
 
-/// Quotes a text on one line, cut to [`LONGEST_EXCERPT`] characters.
+/// Quotes a text on one line, cut to [`MAX_EXCERPT_LENGTH`] characters.
 fn excerpt(text: &str) -> String {
     let mut words = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    if words.chars().count() > LONGEST_EXCERPT {
-        words = words.chars().take(LONGEST_EXCERPT).collect::<String>() + "...";
+    if words.chars().count() > MAX_EXCERPT_LENGTH {
+        words = words.chars().take(MAX_EXCERPT_LENGTH).collect::<String>() + "...";
     }
     if words.is_empty() { words } else { format!("`{words}`") }
 }

@@ -128,7 +128,7 @@ pub struct InstrumentFields {
     /// The regulating screws (already applied to `zones` and `springs`).
     pub screws: Vec<Screw>,
     /// Outlines for drawing only; they take no part in the mechanics.
-    pub parts: Vec<Part>,
+    pub parts: Vec<DrawnPart>,
     /// Which key of a piano it is, and which sample.
     pub origin: Origin,
 }
@@ -476,7 +476,7 @@ pub enum ScrewAction {
 
 /// A piece of wood, felt, leather or metal, for drawings only.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Part {
+pub struct DrawnPart {
     /// Name of the part, e.g. `hammer head`.
     pub name: String,
     /// The body that carries it; `None` is the ground.

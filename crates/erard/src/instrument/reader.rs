@@ -15,7 +15,7 @@ pub const MM_PER_M: f64 = 1000.0;
 pub(crate) const G_PER_KG: f64 = 1000.0;
 
 /// Longest name, characters: names become titles of columns.
-const LONGEST_NAME: usize = 40;
+const MAX_NAME_LENGTH: usize = 40;
 
 /// Plausible range of a number: a value outside is taken for a slip of the pen. The ranges are wide enough for an anvil
 /// and for a watch.
@@ -196,9 +196,9 @@ pub(crate) fn new_name<'n>(
     what: &str,
     taken: impl IntoIterator<Item = &'n str>,
 ) -> Result<String, Fault> {
-    let expected = format!("1 to {LONGEST_NAME} lower-case letters, digits and underscores, starting with a letter");
+    let expected = format!("1 to {MAX_NAME_LENGTH} lower-case letters, digits and underscores, starting with a letter");
     let well_formed = name.starts_with(|c: char| c.is_ascii_lowercase())
-        && name.len() <= LONGEST_NAME
+        && name.len() <= MAX_NAME_LENGTH
         && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
     if !well_formed {
         return Err(Fault::at(name.span(), format!("not a name for a {what}"), expected));
@@ -210,7 +210,7 @@ pub(crate) fn new_name<'n>(
 }
 
 /// Longest name or label for people, characters: it must fit on one line of a figure.
-pub(crate) const LONGEST_TITLE: usize = 120;
+pub(crate) const MAX_TITLE_LENGTH: usize = 120;
 
 /// Checks a name or label for people: one line, not empty. Returns it without the blanks around it.
 pub fn title(name: &At<String>, what: &str) -> Result<String, Fault> {
@@ -219,8 +219,8 @@ pub fn title(name: &At<String>, what: &str) -> Result<String, Fault> {
     if trimmed.is_empty() {
         return wrong(format!("{what} needs a name"), "a name".to_owned());
     }
-    if trimmed.chars().count() > LONGEST_TITLE {
-        return wrong("too long for a name".to_owned(), format!("at most {LONGEST_TITLE} characters"));
+    if trimmed.chars().count() > MAX_TITLE_LENGTH {
+        return wrong("too long for a name".to_owned(), format!("at most {MAX_TITLE_LENGTH} characters"));
     }
     if trimmed.chars().any(|c| c.is_control() || steers(c)) {
         return wrong(

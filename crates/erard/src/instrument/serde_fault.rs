@@ -65,13 +65,13 @@ fn after_expected(rest: &str) -> String {
 }
 
 /// Largest number of characters of a key that are compared.
-const LONGEST_KEY: usize = 64;
+const MAX_KEY_LENGTH: usize = 64;
 
 /// Returns the known key that `key` most likely means: one that adds a unit to it, one with the same first word, or one
 /// that differs by two characters (three if the first three agree).
 fn nearest<'k>(key: &str, known: &[&'k str]) -> Option<&'k str> {
     // The key is cut: no known key is longer than this, and the cost of a comparison grows with the length.
-    let lower = key.chars().take(LONGEST_KEY).collect::<String>().to_lowercase();
+    let lower = key.chars().take(MAX_KEY_LENGTH).collect::<String>().to_lowercase();
     let stem = |name: &str| name.split('_').next().unwrap_or_default().to_owned();
     known
         .iter()

@@ -14,7 +14,7 @@ use super::{Keyboard, is_sharp, note_name};
 use crate::instrument::convert::convert;
 use crate::instrument::edit::{cite, find, numbers, set, source_name};
 use crate::instrument::from_toml::{Document, Replaced};
-use crate::instrument::reader::LONGEST_TITLE;
+use crate::instrument::reader::MAX_TITLE_LENGTH;
 use crate::instrument::{FileNumber, Instrument};
 use crate::parameter::Quantity;
 
@@ -147,7 +147,7 @@ impl<'a> GradedDocument<'a> {
         }
         let (mut instrument, _) = convert(&document.read(&replaced).ok()?).ok()?;
         instrument.fields.name = title(keyboard, key);
-        if instrument.name.chars().count() > LONGEST_TITLE {
+        if instrument.name.chars().count() > MAX_TITLE_LENGTH {
             return None;
         }
         instrument.fields.roles.is_sharp = document.find("roles").is_some() && is_sharp(key);

@@ -3,7 +3,7 @@
 //! A key that nothing changes sleeps ([`moreau_kernels::Bank`] says why that is exact): keys at rest, and held notes,
 //! cost nothing.
 
-use moreau::{Outcome, Settings};
+use moreau::{Settings, StepOutcome};
 use moreau_kernels::{Bank, StepOutput, bank};
 use thiserror::Error;
 
@@ -148,7 +148,7 @@ impl Keys {
         let (site_m, h) = (self.output(key).site_m, self.settings().step);
         let own = &mut self.own[key - 1];
         let velocity = own.rest.imposed([position_m, velocity_m_per_s], &mut own.aimed_m, site_m, h);
-        self.bank.drive(key - 1, &moreau::Input::Rigid { velocity });
+        self.bank.drive(key - 1, &moreau::SiteInput::Rigid { velocity });
     }
 
     /// Places the hand on a key: [`Action::place_hand`]. Wakes the key.
@@ -208,11 +208,11 @@ impl Keys {
     }
 
     /// The readings of a key after the last step, as an [`Action`]'s; its outcome is
-    /// [`Outcome::Converged`], for [`Tick`] counts those of a step.
+    /// [`StepOutcome::Converged`], for [`Tick`] counts those of a step.
     #[must_use]
     pub fn reading(&self, key: usize) -> Reading {
         let reading = Reading::of(&self.output(key), &self.own[key - 1].rest);
-        Reading { outcome: Outcome::Converged, ..reading }
+        Reading { outcome: StepOutcome::Converged, ..reading }
     }
 
     /// Force between a key's hammer and its string in the last step, N.

@@ -7,9 +7,9 @@ use thiserror::Error;
 use super::{Bare, Change, Quantity, Unit, canonical_name};
 
 /// Largest turn of a curve by a screw, rad.
-const FARTHEST_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
+const MAX_TURN_RAD: f64 = std::f64::consts::FRAC_PI_2;
 /// Largest displacement by a screw, m, or change of a spring's torque, N m.
-const FARTHEST_SCREW: f64 = 0.1;
+const MAX_SCREW: f64 = 0.1;
 
 impl ScrewAction {
     /// Physical quantity of the screw's setting.
@@ -256,11 +256,9 @@ impl Parameter {
     pub fn range(&self) -> [f64; 2] {
         match self {
             // The largest turn of a curve by a file's own setting.
-            Parameter::Screw { action, .. } if action.quantity() == Quantity::Angle => {
-                [-FARTHEST_TURN_RAD, FARTHEST_TURN_RAD]
-            }
+            Parameter::Screw { action, .. } if action.quantity() == Quantity::Angle => [-MAX_TURN_RAD, MAX_TURN_RAD],
             // Metres; a spring's torque is also limited by its sign.
-            Parameter::Screw { .. } => [-FARTHEST_SCREW, FARTHEST_SCREW],
+            Parameter::Screw { .. } => [-MAX_SCREW, MAX_SCREW],
             _ => [1e-3, 1e3],
         }
     }

@@ -7,14 +7,14 @@ use thiserror::Error;
 
 /// What a caller wants of a number.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Wanted {
+pub enum ParameterChange {
     /// New value in SI units; of a number of the file whose path ends with its unit, in that unit.
     Value(f64),
     /// As typed ([`Change::read`]): `8.7 g` is the new value, `+0.8 g` and `-0.2 mm` are added, `x1.5` is a factor, and
-    /// `=-0.2 mm` is a new value with a sign. A number without a unit is in the unit of [`Wanted::Value`].
+    /// `=-0.2 mm` is a new value with a sign. A number without a unit is in the unit of [`ParameterChange::Value`].
     Text(String),
-    /// As [`Wanted::Text`], in a field in which a person types: a number without a unit is in the unit in which
-    /// technicians read it ([`Parameter::trade_bare`]).
+    /// As [`ParameterChange::Text`], in a field in which a person types: a number without a unit is in the unit in
+    /// which technicians read it ([`Parameter::trade_bare`]).
     Field(String),
 }
 
@@ -60,24 +60,24 @@ impl From<NameError> for ChangeError {
     }
 }
 
-impl std::fmt::Display for Wanted {
+impl std::fmt::Display for ParameterChange {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Wanted::Value(x) => write!(f, "{x}"),
-            Wanted::Text(text) | Wanted::Field(text) => f.write_str(text),
+            ParameterChange::Value(x) => write!(f, "{x}"),
+            ParameterChange::Text(text) | ParameterChange::Field(text) => f.write_str(text),
         }
     }
 }
 
-impl Wanted {
+impl ParameterChange {
     /// Reads the change of a number of some quantity, in SI units; `bare` is the unit without one.
     fn read(&self, name: &str, quantity: Quantity, bare: Bare) -> Result<Change, ChangeError> {
         let text = match self {
-            Wanted::Value(value) if value.is_finite() => {
+            ParameterChange::Value(value) if value.is_finite() => {
                 return Ok(Change::Set(value * bare.unit(quantity).map_or(1.0, |(si, _)| si)));
             }
-            Wanted::Value(value) => value.to_string(),
-            Wanted::Text(text) | Wanted::Field(text) => text.clone(),
+            ParameterChange::Value(value) => value.to_string(),
+            ParameterChange::Text(text) | ParameterChange::Field(text) => text.clone(),
         };
         Change::read(&text, quantity, bare).map_err(|error| ChangeError::Value { name: name.to_owned(), error })
     }
@@ -151,7 +151,11 @@ fn spread_of(parameter: &Parameter, spread: Spread, own: f64) -> Option<[f64; 2]
 ///
 /// # Errors
 /// See [`ChangeError`].
-pub fn varied(text: &str, file_name: &str, changes: &[(String, Wanted)]) -> Result<InstrumentFile, ChangeError> {
+pub fn varied(
+    text: &str,
+    file_name: &str,
+    changes: &[(String, ParameterChange)],
+) -> Result<InstrumentFile, ChangeError> {
     varied_of(&InstrumentFile::parse(text, file_name)?, text, file_name, changes)
 }
 
@@ -163,7 +167,7 @@ pub fn varied_of(
     read: &InstrumentFile,
     text: &str,
     file_name: &str,
-    changes: &[(String, Wanted)],
+    changes: &[(String, ParameterChange)],
 ) -> Result<InstrumentFile, ChangeError> {
     let all = Parameter::all(&read.instrument);
     let (new, of_parameters) = with_changed_numbers(&read.instrument, text, changes)?;
@@ -188,8 +192,8 @@ pub fn varied_of(
 pub fn with_changed_numbers(
     instrument: &Instrument,
     text: &str,
-    changes: &[(String, Wanted)],
-) -> Result<(Option<String>, Vec<(String, Wanted)>), ChangeError> {
+    changes: &[(String, ParameterChange)],
+) -> Result<(Option<String>, Vec<(String, ParameterChange)>), ChangeError> {
     let all = Parameter::all(instrument);
     let mut numbers: Vec<(String, usize, f64)> = Vec::new();
     let mut of_parameters = Vec::new();
@@ -266,8 +270,8 @@ pub fn in_file_unit(change: Change, now: f64, unit: Option<&'static Unit>) -> f6
 }
 
 /// Changes a number of the file, in the file's unit.
-fn of_file(name: &str, wanted: &Wanted, now: f64) -> Result<f64, ChangeError> {
-    if let Wanted::Value(value) = wanted
+fn of_file(name: &str, wanted: &ParameterChange, now: f64) -> Result<f64, ChangeError> {
+    if let ParameterChange::Value(value) = wanted
         && value.is_finite()
     {
         return Ok(*value);
@@ -282,7 +286,7 @@ fn of_file(name: &str, wanted: &Wanted, now: f64) -> Result<f64, ChangeError> {
 ///
 /// # Errors
 /// See [`ChangeError`]. A screw without a setting in the file is refused: there is no number to change.
-pub fn varied_text(text: &str, file_name: &str, name: &str, change: &Wanted) -> Result<String, ChangeError> {
+pub fn varied_text(text: &str, file_name: &str, name: &str, change: &ParameterChange) -> Result<String, ChangeError> {
     let mut instrument = Instrument::parse(text, file_name)?;
     let all = Parameter::all(&instrument);
     let name = known_name(name, &all, text);
@@ -308,9 +312,14 @@ pub fn varied_text(text: &str, file_name: &str, name: &str, change: &Wanted) -> 
 }
 
 /// Changes a parameter of an instrument. Returns the argument of [`Parameter::vary`].
-fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, wanted: &Wanted) -> Result<f64, ChangeError> {
+fn vary(
+    instrument: &mut Instrument,
+    name: &str,
+    parameter: &Parameter,
+    wanted: &ParameterChange,
+) -> Result<f64, ChangeError> {
     let quantity = parameter.quantity(instrument);
-    let bare = if matches!(wanted, Wanted::Field(_)) { parameter.trade_bare(instrument) } else { Bare::Si };
+    let bare = if matches!(wanted, ParameterChange::Field(_)) { parameter.trade_bare(instrument) } else { Bare::Si };
     let by = parameter.by(instrument, wanted.read(name, quantity, bare)?);
     let range = out_of_range(instrument, name, parameter, wanted);
     let [least, most] = parameter.range();
@@ -320,7 +329,7 @@ fn vary(instrument: &mut Instrument, name: &str, parameter: &Parameter, wanted: 
     Ok(by)
 }
 
-fn out_of_range(instrument: &Instrument, name: &str, parameter: &Parameter, wanted: &Wanted) -> ChangeError {
+fn out_of_range(instrument: &Instrument, name: &str, parameter: &Parameter, wanted: &ParameterChange) -> ChangeError {
     let [least, most] = parameter.range();
     let unit = parameter.quantity(instrument).si_unit();
     let expected = if parameter.is_factor() {
@@ -350,14 +359,14 @@ mod tests {
         Instrument::builtin_text("concert-grand").unwrap()
     }
 
-    fn with(changes: &[(&str, Wanted)]) -> Result<Instrument, ChangeError> {
-        let changes: Vec<(String, Wanted)> =
+    fn with(changes: &[(&str, ParameterChange)]) -> Result<Instrument, ChangeError> {
+        let changes: Vec<(String, ParameterChange)> =
             changes.iter().map(|(name, change)| ((*name).to_owned(), change.clone())).collect();
         varied(text(), "grand", &changes).map(|file| file.instrument)
     }
 
     fn written(name: &str, text: &str) -> Result<Instrument, ChangeError> {
-        with(&[(name, Wanted::Text(text.to_owned()))])
+        with(&[(name, ParameterChange::Text(text.to_owned()))])
     }
 
     /// Values, differences and factors are applied as typed; a number is the value in SI units.
@@ -366,7 +375,7 @@ mod tests {
         let grand = Instrument::builtin("concert-grand").unwrap();
         // Regional words; what a file itself calls so stays.
         assert_eq!(written("set_off", "-0.2 mm").unwrap(), written("let_off", "-0.2 mm").unwrap());
-        let mass = |name: &str| with(&[(name, Wanted::Text("= 10 g".to_owned()))]);
+        let mass = |name: &str| with(&[(name, ParameterChange::Text("= 10 g".to_owned()))]);
         assert_eq!(mass("body.wippen.mass_g").unwrap(), mass("body.whippen.mass_g").unwrap());
         let wippen = text().replace("\"whippen\"", "\"wippen\"");
         assert_eq!(known_name("body.wippen.mass_g", &[], &wippen), "body.wippen.mass_g");
@@ -397,11 +406,11 @@ mod tests {
             assert_eq!(written(name, by).unwrap(), studied, "{name}");
             // A number is the new value, in SI units.
             let wanted = parameter.value(&studied);
-            let set = with(&[(name, Wanted::Value(wanted))]).unwrap();
+            let set = with(&[(name, ParameterChange::Value(wanted))]).unwrap();
             assert!((parameter.value(&set) - wanted).abs() <= 1e-15 * wanted.abs().max(1e-3), "{name}");
         }
         // The same change twice is applied twice; numbers of the file go by their paths.
-        let twice = Wanted::Text("+0.5 g".into());
+        let twice = ParameterChange::Text("+0.5 g".into());
         let heavy = with(&[("body.hammer.mass", twice.clone()), ("body.hammer.mass", twice)]).unwrap();
         assert!((value(&heavy, "body.hammer.mass") - mass - 1e-3).abs() < 1e-15);
         let own = written("body.hammer.mass_g", "+0.5 g").unwrap();
@@ -417,7 +426,7 @@ mod tests {
             ("let_off", "-0.2 mm"),
             ("set_off", "0.3mm"),
         ] {
-            let change = Wanted::Text(change.to_owned());
+            let change = ParameterChange::Text(change.to_owned());
             let new = varied_text(text(), "grand", name, &change).unwrap();
             let (read, wanted) = (Instrument::parse(&new, "new").unwrap(), with(&[(name, change)]).unwrap());
             for (a, b) in read.bodies.iter().zip(&wanted.bodies) {
@@ -429,10 +438,13 @@ mod tests {
             }
             assert_ne!(new, text());
         }
-        let own = varied_text(text(), "grand", "body.hammer.mass_g", &Wanted::Text("= 9 g".into())).unwrap();
+        let own = varied_text(text(), "grand", "body.hammer.mass_g", &ParameterChange::Text("= 9 g".into())).unwrap();
         assert_eq!(numbers_at(&own, "body.hammer.mass_g"), Some(vec![9.0]));
         for (name, change) in [("body.drummer.mass", "*2"), ("body.hammer.mass", "-200 g"), ("let_off", "3 g")] {
-            assert!(varied_text(text(), "grand", name, &Wanted::Text(change.into())).is_err(), "{name} {change}");
+            assert!(
+                varied_text(text(), "grand", name, &ParameterChange::Text(change.into())).is_err(),
+                "{name} {change}"
+            );
         }
     }
 
@@ -474,7 +486,7 @@ mod tests {
             let error = written(name, text).unwrap_err().to_string();
             assert!(error.contains(told), "{name} {text}: {error}");
         }
-        assert!(with(&[("let_off", Wanted::Value(f64::NAN))]).is_err());
+        assert!(with(&[("let_off", ParameterChange::Value(f64::NAN))]).is_err());
         let all = Parameter::all(&Instrument::builtin("concert-grand").unwrap());
         let (friction, _) =
             all.iter().find(|(name, _)| name.starts_with("zone.") && name.ends_with(".friction")).unwrap();

@@ -1,6 +1,6 @@
 //! One action, owned and stepped from outside.
 
-use moreau::{ModelError, Outcome, Settings, StepReport};
+use moreau::{ModelError, Settings, StepOutcome, StepReport};
 use thiserror::Error;
 
 use super::Input;
@@ -9,7 +9,7 @@ use super::rest::Rest;
 use super::snapshot::{MechanismState, Snapshot, SnapshotError, strings_are_finite};
 use crate::identity::Identity;
 use crate::instrument::Instrument;
-use crate::mechanism::{Halving, Impact, Mechanism, Part, StepOutput, Stepping, TellNumbers, mechanism};
+use crate::mechanism::{Halving, Impact, Mechanism, StatePart, StepOutput, Stepping, TellNumbers, mechanism};
 use crate::progress::{ASK_EVERY, Progress};
 use crate::strings::Strings;
 
@@ -21,7 +21,7 @@ pub enum ActionError {
     #[error(
         "the step is {found} s; expected {:e} to {:e} s",
         crate::mechanism::SMALLEST_STEP_S,
-        crate::mechanism::LARGEST_STEP_S
+        crate::mechanism::MAX_STEP_S
     )]
     Step {
         /// s.
@@ -76,8 +76,8 @@ pub struct Reading {
     pub string_n: f64,
     /// The impact of the hammer on the string in the step, if there was one.
     pub impact: Option<Impact>,
-    /// Outcome of the step. After [`Outcome::NonFinite`] the action is unchanged and can be stepped further.
-    pub outcome: Outcome,
+    /// Outcome of the step. After [`StepOutcome::NonFinite`] the action is unchanged and can be stepped further.
+    pub outcome: StepOutcome,
 }
 
 impl Reading {
@@ -142,7 +142,7 @@ impl Action {
     /// # Errors
     /// See [`ActionError`].
     pub fn with(instrument: &Instrument, settings: Settings<f64>) -> Result<Self, ActionError> {
-        Action::asking(instrument, settings, &mut |_| true)
+        Action::with_progress(instrument, settings, &mut |_| true)
     }
 
     /// [`Action::new`] with a `progress` that is called now and then during the search for the rest, and ends it by
@@ -150,14 +150,14 @@ impl Action {
     ///
     /// # Errors
     /// See [`ActionError`]; [`EquilibriumError::Interrupted`].
-    pub fn asking(
+    pub fn with_progress(
         instrument: &Instrument,
         settings: Settings<f64>,
         progress: &mut Progress<'_>,
     ) -> Result<Self, ActionError> {
         let mut action = Action::as_drawn(instrument, settings)?;
         action.settle(instrument, Input::Free, progress)?;
-        action.rest_here(instrument);
+        action.set_reference_pose(instrument);
         Ok(action)
     }
 
@@ -166,7 +166,7 @@ impl Action {
     /// # Errors
     /// [`ActionError::Step`].
     pub fn check_step(step_s: f64) -> Result<(), ActionError> {
-        let range = crate::mechanism::SMALLEST_STEP_S..=crate::mechanism::LARGEST_STEP_S;
+        let range = crate::mechanism::SMALLEST_STEP_S..=crate::mechanism::MAX_STEP_S;
         if range.contains(&step_s) { Ok(()) } else { Err(ActionError::Step { found: step_s }) }
     }
 
@@ -183,12 +183,12 @@ impl Action {
             aimed_m: None,
             mechanism,
         };
-        action.rest_here(instrument);
+        action.set_reference_pose(instrument);
         Ok(action)
     }
 
     /// Makes the present pose the reference of travels and this instant 0 s.
-    pub fn rest_here(&mut self, instrument: &Instrument) {
+    pub fn set_reference_pose(&mut self, instrument: &Instrument) {
         self.rest = Rest::of(instrument, self.mechanism.as_ref());
         self.place_hand(0.0, 0.0);
         self.begin_at(0.0);
@@ -197,7 +197,7 @@ impl Action {
     /// Places the hand ([`Input::Hand`]), m below the key front's rest, with a velocity, m/s, down positive; a new
     /// action has it at the key front's rest. It moves in steps that a hand drives only.
     pub fn place_hand(&mut self, position_m: f64, velocity_m_per_s: f64) {
-        self.mechanism.set(Part::Hand([self.rest.site_m + position_m, velocity_m_per_s]));
+        self.mechanism.set(StatePart::Hand([self.rest.site_m + position_m, velocity_m_per_s]));
     }
 
     /// One step of the settings' length under an input. Where strings sound it may be taken in parts
@@ -259,7 +259,7 @@ impl Action {
                 return Err(PlayError::Interrupted);
             }
             let report = self.mechanism.step(&input).report;
-            if report.outcome == Outcome::NonFinite {
+            if report.outcome == StepOutcome::NonFinite {
                 // It is where it was, and when.
                 return Err(PlayError::NonFinite { time_s: self.time_s() });
             }
@@ -289,7 +289,7 @@ impl Action {
 
     /// Sets the present instant, s, and forgets the flight of the hammer so far.
     pub(crate) fn begin_at(&mut self, now_s: f64) {
-        self.mechanism.set(Part::Instant(now_s));
+        self.mechanism.set(StatePart::Instant(now_s));
         self.aimed_m = None;
     }
 
@@ -317,13 +317,13 @@ impl Action {
     }
 
     /// Sets whether steps that are known to change nothing are skipped, the default: equal bits for less work.
-    pub fn let_rest(&mut self, may_rest: bool) {
+    pub fn set_sleep(&mut self, may_rest: bool) {
         let stepping = *self.mechanism.readout().stepping;
         self.mechanism.configure(Stepping { may_rest, ..stepping });
     }
 
     /// Whether the last step changed nothing, so that the next one with the same input changes nothing either.
-    pub fn rests(&self) -> bool {
+    pub fn is_asleep(&self) -> bool {
         self.mechanism.readout().rests
     }
 
@@ -344,13 +344,13 @@ impl Action {
         if let Some(strings) = self.strings_mut() {
             strings.ring(spans, span_s, each);
         }
-        self.mechanism.set(Part::Instant(until_s));
+        self.mechanism.set(StatePart::Instant(until_s));
         true
     }
 
     /// Sets all velocities to zero.
     pub fn stop(&mut self) {
-        self.mechanism.set(Part::Standstill);
+        self.mechanism.set(StatePart::Standstill);
     }
 
     /// The modal strings, if there are any: their displacement, and their force on the bridge.
@@ -495,7 +495,7 @@ impl Action {
 
     /// The engine's input for the next step.
     #[inline]
-    fn engine_input(&mut self, input: Input) -> moreau::Input<f64> {
+    fn engine_input(&mut self, input: Input) -> moreau::SiteInput<f64> {
         let Action { mechanism, rest, aimed_m, .. } = self;
         // A motion that ended is no aim of the next one.
         if !matches!(input, Input::Rigid { .. }) {
@@ -515,4 +515,4 @@ impl Action {
 }
 
 /// Gives the engine's input of each step, from the report of the last one; `None` ends the loop.
-type NextInput<'a> = dyn FnMut(&mut Action, Option<&StepReport>) -> Option<moreau::Input<f64>> + 'a;
+type NextInput<'a> = dyn FnMut(&mut Action, Option<&StepReport>) -> Option<moreau::SiteInput<f64>> + 'a;

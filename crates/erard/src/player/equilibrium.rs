@@ -1,6 +1,6 @@
 //! Rest, friction included: the start of a run.
 
-use moreau::{FrictionLaw, Input, ModelError, Outcome, Settings};
+use moreau::{FrictionLaw, ModelError, Settings, SiteInput, StepOutcome};
 use thiserror::Error;
 
 use super::{Action, PlayError};
@@ -91,10 +91,10 @@ impl Settling {
     /// Counts steps without a solution; call it with every step's outcome after [`Settling::rests`]. True when the
     /// search should give up. Steps in which nothing moves do not count: there forces may be undetermined (felts with a
     /// set-valued loss can lock more than there are degrees of freedom).
-    pub fn is_hopeless(&mut self, outcome: Outcome) -> bool {
-        let unsolved = outcome == Outcome::IterationLimit && self.quiet_s == 0.0;
+    pub fn is_hopeless(&mut self, outcome: StepOutcome) -> bool {
+        let unsolved = outcome == StepOutcome::IterationLimit && self.quiet_s == 0.0;
         self.unsolved = if unsolved { self.unsolved + 1 } else { 0 };
-        outcome == Outcome::NonFinite || self.unsolved >= UNSOLVED_STEPS
+        outcome == StepOutcome::NonFinite || self.unsolved >= UNSOLVED_STEPS
     }
 }
 
@@ -107,7 +107,7 @@ impl Settling {
 pub(crate) fn settle(
     action: &mut Action,
     instrument: &Instrument,
-    input: &Input<f64>,
+    input: &SiteInput<f64>,
     progress: &mut Progress<'_>,
 ) -> Result<f64, EquilibriumError> {
     let own = *action.settings();

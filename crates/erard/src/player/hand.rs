@@ -2,8 +2,8 @@
 //!
 //! A prescribed force does not depend on the key's motion, and nothing stops a prescribed motion. A hand has inertia:
 //! it arrives with speed, its force rises above its muscle's when the key stops it, and it may lift off. This is the
-//! coupled pianist that \[T13\] names as future work. The engine solves hand and key in one step; [`moreau::Hand`] has
-//! the equations.
+//! coupled pianist that \[T13\] names as future work. The engine solves hand and key in one step; [`moreau::SiteHand`]
+//! has the equations.
 
 use super::Input;
 
@@ -116,8 +116,8 @@ pub struct HandInput {
 impl HandInput {
     /// The engine's, where positions count from a place of the world, m.
     #[inline]
-    pub(crate) fn engine_input(&self, rest_m: f64) -> moreau::Input<f64> {
-        moreau::Input::Hand(moreau::Hand {
+    pub(crate) fn engine_input(&self, rest_m: f64) -> moreau::SiteInput<f64> {
+        moreau::SiteInput::Hand(moreau::SiteHand {
             mass: self.mass_kg,
             force: self.force_n,
             stiffness: self.stiffness_n_per_m,

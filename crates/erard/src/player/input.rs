@@ -88,11 +88,11 @@ pub fn rigid(position: impl Fn(f64) -> [f64; 2]) -> impl Fn(f64) -> Input {
 }
 
 /// Largest force that one step takes, N, up or down: a hundred times a fortissimo.
-pub const LARGEST_FORCE_N: f64 = 1e4;
+pub const MAX_FORCE_N: f64 = 1e4;
 /// Largest position that one step takes, m from rest, up or down: ten times a key's dip.
-pub const LARGEST_POSITION_M: f64 = 0.1;
+pub const MAX_POSITION_M: f64 = 0.1;
 /// Largest speed that one step takes, m/s, up or down.
-pub const LARGEST_SPEED_M_PER_S: f64 = 100.0;
+pub const MAX_SPEED_M_PER_S: f64 = 100.0;
 
 /// A number out of range for a step.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -116,10 +116,10 @@ pub fn check(input: &Input) -> Result<(), InputRange> {
         if found.abs() <= most { Ok(()) } else { Err(InputRange { found, most, unit }) }
     };
     match *input {
-        Input::Force(n) => within(n, LARGEST_FORCE_N, "N"),
+        Input::Force(n) => within(n, MAX_FORCE_N, "N"),
         Input::Motion { position_m, velocity_m_per_s } | Input::Rigid { position_m, velocity_m_per_s } => {
-            within(position_m, LARGEST_POSITION_M, "m")?;
-            within(velocity_m_per_s, LARGEST_SPEED_M_PER_S, "m/s")
+            within(position_m, MAX_POSITION_M, "m")?;
+            within(velocity_m_per_s, MAX_SPEED_M_PER_S, "m/s")
         }
         _ => Ok(()),
     }

@@ -2,7 +2,7 @@
 
 use moreau::Ledger;
 
-use crate::mechanism::{Mechanism, open_ledger, take_stock};
+use crate::mechanism::{Mechanism, open_ledger, update_energies};
 
 /// An observer that keeps the energy balance of an action: opened where it is, updated after every step, closed at the
 /// end.
@@ -22,14 +22,14 @@ impl LedgerBook {
     pub(crate) fn observe(&mut self, rests: bool, mechanism: &dyn Mechanism) {
         // A step that was left out has nothing to book, nor has one that changed nothing after another.
         if !(self.rested && rests) {
-            mechanism.book(&mut self.ledger);
+            mechanism.record_energy(&mut self.ledger);
         }
         self.rested = rests;
     }
 
     /// The ledger up to here.
     pub(crate) fn close(mut self, mechanism: &dyn Mechanism) -> Ledger {
-        take_stock(mechanism, &mut self.ledger);
+        update_energies(mechanism, &mut self.ledger);
         self.ledger
     }
 }

@@ -169,7 +169,7 @@ impl Recorder {
 
     /// Replaces [`Recorder::step`] where the last two steps changed nothing: their forces are equal and so are their
     /// own mean.
-    pub(crate) fn stood(&mut self) {
+    pub(crate) fn unchanged(&mut self) {
         self.pending = None;
     }
 

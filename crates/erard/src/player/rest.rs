@@ -1,7 +1,7 @@
 //! Reference of travels, and conversion of inputs to the engine's.
 
-use moreau::Input;
 pub(crate) use moreau::RIGID_CORRECTION;
+use moreau::SiteInput;
 
 use super::input::{self, Drive};
 use crate::instrument::Instrument;
@@ -38,7 +38,7 @@ impl Rest {
         theta: f64,
         correction_s: f64,
         site_m: &dyn Fn() -> f64,
-    ) -> Input<f64> {
+    ) -> SiteInput<f64> {
         let input = drive(t0 + theta * h);
         self.engine_input(&input, || {
             let behind = self.site_m + drive(t0).position_m() - site_m();
@@ -70,14 +70,14 @@ impl Rest {
     /// The engine's input: travels count from here. `imposed` gives the key's velocity at the step's end where the
     /// motion is rigid, m/s.
     #[inline]
-    pub(crate) fn engine_input(&self, input: &input::Input, imposed: impl FnOnce() -> f64) -> Input<f64> {
+    pub(crate) fn engine_input(&self, input: &input::Input, imposed: impl FnOnce() -> f64) -> SiteInput<f64> {
         match *input {
-            input::Input::Free => Input::Free,
-            input::Input::Force(force_n) => Input::Force(force_n),
+            input::Input::Free => SiteInput::Free,
+            input::Input::Force(force_n) => SiteInput::Force(force_n),
             input::Input::Motion { position_m, velocity_m_per_s } => {
-                Input::Motion { position: self.site_m + position_m, velocity: velocity_m_per_s }
+                SiteInput::Motion { position: self.site_m + position_m, velocity: velocity_m_per_s }
             }
-            input::Input::Rigid { .. } => Input::Rigid { velocity: imposed() },
+            input::Input::Rigid { .. } => SiteInput::Rigid { velocity: imposed() },
             input::Input::Hand(ref hand) => hand.engine_input(self.site_m),
         }
     }

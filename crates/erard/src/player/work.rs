@@ -1,6 +1,6 @@
 //! The work of steps: counts of steps and iterations.
 
-use moreau::{ControlledStep, Outcome, StepReport};
+use moreau::{ControlledStep, StepOutcome, StepReport};
 
 /// Method and cost of a run.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -41,7 +41,7 @@ pub struct ControlWork {
 impl Work {
     /// Adds the work of one call of the engine.
     pub(crate) fn count(&mut self, report: &StepReport, steps: u64) {
-        self.unconverged_steps += u64::from(report.outcome == Outcome::IterationLimit);
+        self.unconverged_steps += u64::from(report.outcome == StepOutcome::IterationLimit);
         self.steps += steps;
         self.newton_iterations += u64::from(report.newton);
         self.solver_iterations += u64::from(report.solver);

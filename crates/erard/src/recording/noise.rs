@@ -28,7 +28,7 @@ const FEWEST: usize = 64;
 /// Share of the range below which noise is only the rounding of the written numbers.
 const ROUNDING: f64 = 1e-5;
 /// Longest piece that is transformed at once, samples.
-const LONGEST: usize = 1 << 17;
+const MAX_WINDOW: usize = 1 << 17;
 /// Parts of the half rate between which the spectrum is compared: noise is as strong in both.
 const LOWER: [f64; 2] = [0.4, 0.6];
 const UPPER: [f64; 2] = [0.8, 0.95];
@@ -47,7 +47,7 @@ struct Spectrum {
 impl Spectrum {
     /// By Welch's method, with Hann's window over pieces that overlap by half.
     fn new(x: &[f64], rate_hz: f64) -> Self {
-        let length = x.len().min(LONGEST);
+        let length = x.len().min(MAX_WINDOW);
         let window: Vec<f64> =
             (0..length).map(|n| 0.5 - 0.5 * (TAU * (n as f64 + 0.5) / length as f64).cos()).collect();
         let scale = 2.0 / (rate_hz * window.iter().map(|w| w * w).sum::<f64>());

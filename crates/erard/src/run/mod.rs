@@ -7,7 +7,7 @@ mod setup;
 mod simulation;
 mod sound;
 
-pub use setup::{MOST_ROWS, MOST_ROWS_ASKED, Setup, SimulationError, TOLERANCES};
+pub use setup::{MAX_ROWS, MAX_ROWS_ASKED, Setup, SimulationError, TOLERANCES};
 pub use simulation::{press, press_by_hand, simulate, simulate_from, simulate_observed};
 pub use sound::{RATE_HZ, Sound, sound};
 

@@ -1,18 +1,18 @@
 //! The loop over the steps of a run, from its rest to its end: `RunLoop::fixed` and `RunLoop::adaptive`. Both call
 //! [`Mechanism`], which solves the equations at the top of [`moreau::step()`].
 
-use moreau::{Accuracy, Outcome, Settings, StepReport};
+use moreau::{Accuracy, Settings, StepOutcome, StepReport};
 
 use crate::events::EventDetector;
 use crate::instrument::Instrument;
-use crate::mechanism::{LARGEST_STEP_S, Mechanism, Readout, StepOutput};
+use crate::mechanism::{MAX_STEP_S, Mechanism, Readout, StepOutput};
 use crate::player::rest::{RIGID_CORRECTION_S, Rest};
 use crate::player::{Action, ControlWork, Drive, LedgerBook, Observer, Recorded, Recorder, Work};
 use crate::progress::{ASK_EVERY, Progress};
 use crate::trust::{Extremes, Struck, assess};
 
 use super::Run;
-use super::setup::{MOST_ROWS, Setup, SimulationError};
+use super::setup::{MAX_ROWS, Setup, SimulationError};
 
 /// Smallest step of an error-controlled run, s: in the step in which friction reverses the error is friction times the
 /// part of the step before, which is to be below the smallest tolerance. A few such steps do not spoil a sum of
@@ -55,7 +55,7 @@ impl<'a> RunLoop<'a> {
         mut further: Option<&'a mut dyn Observer>,
     ) -> Self {
         action.begin_at(setup.start_s);
-        let every = setup.record_every.unwrap_or(1 + (steps - 1) / MOST_ROWS).max(1);
+        let every = setup.record_every.unwrap_or(1 + (steps - 1) / MAX_ROWS).max(1);
         let recorder = Recorder::new(instrument, (steps / every) as usize + 2, action.mechanism_mut());
         let ledger = setup.ledger.then(|| LedgerBook::open(action.mechanism_mut()));
         if let Some(further) = &mut further {
@@ -108,7 +108,7 @@ impl<'a> RunLoop<'a> {
                 let now_s = if last { t1 } else { t0 + f64::from(parts) * m.readout().last_step_s };
                 observers.step(&rest, now_s, row && last, m);
             });
-            if report.outcome == Outcome::NonFinite {
+            if report.outcome == StepOutcome::NonFinite {
                 // It is where it was, and when.
                 return Err(SimulationError::NonFinite { time_s: action.time_s() });
             }
@@ -121,7 +121,7 @@ impl<'a> RunLoop<'a> {
     /// Adaptive steps: from row to row, as long as their error allows.
     pub(crate) fn adaptive(&mut self, tolerance: f64, progress: &mut Progress<'_>) -> Result<(), SimulationError> {
         let Settings { step: h, theta, .. } = self.setup.settings;
-        let accuracy = Accuracy::new(tolerance, SMALLEST_CONTROLLED_STEP_S, LARGEST_STEP_S);
+        let accuracy = Accuracy::new(tolerance, SMALLEST_CONTROLLED_STEP_S, MAX_STEP_S);
         let mut control = ControlWork::none();
         let mut n = 0;
         while n < self.steps {
@@ -145,7 +145,7 @@ impl<'a> RunLoop<'a> {
                 };
                 let mechanism = self.action.mechanism_mut();
                 let report = mechanism.controlled_step(&accuracy, limit, &ends, &mut input, &mut observe);
-                if report.outcome == Outcome::NonFinite {
+                if report.outcome == StepOutcome::NonFinite {
                     return Err(SimulationError::NonFinite { time_s: t0 });
                 }
                 let inner = StepReport { outcome: report.outcome, newton: report.newton, solver: report.solver };
@@ -209,8 +209,8 @@ impl Observers<'_> {
         let StepOutput { site_m, point_m, impact, .. } = *now.output;
         let (key_m, hammer_rise_m) = (site_m - rest.site_m, point_m[1] - rest.head_m);
         if rested && self.rested {
-            self.detector.stood(time_s);
-            self.recorder.stood();
+            self.detector.unchanged(time_s);
+            self.recorder.unchanged();
         } else {
             self.extremes.observe(time_s, now);
             self.struck.observe(time_s, now);

@@ -4,21 +4,21 @@ use moreau::{ModelError, Settings};
 use thiserror::Error;
 
 use crate::instrument::Instrument;
-use crate::mechanism::{Halving, LARGEST_STEP_S, SMALLEST_STEP_S};
+use crate::mechanism::{Halving, MAX_STEP_S, SMALLEST_STEP_S};
 use crate::player::equilibrium::{self, EquilibriumError, UNSOLVED_STEPS};
 use crate::player::{ActionError, Drive, Hand, HandError, Input, PlayError, SnapshotError};
 use crate::strings::Pedal;
-use crate::trust::{Kind, Warning};
+use crate::trust::{Warning, WarningKind};
 
 /// Most rows that a run keeps by default; longer runs keep every n-th step.
-pub const MOST_ROWS: u64 = 200_000;
+pub const MAX_ROWS: u64 = 200_000;
 /// Most rows that a run keeps on request. The concert grand's hold some 500 bytes each.
-pub const MOST_ROWS_ASKED: u64 = 1_000_000;
+pub const MAX_ROWS_ASKED: u64 = 1_000_000;
 /// Tolerances that an error-controlled run accepts: below, rounding is seen as error; above, the largest step limits
 /// the error.
 pub const TOLERANCES: [f64; 2] = [1e-9, 1e-1];
 /// Longest run, s: more than eleven days.
-pub(super) const LONGEST_S: f64 = 1e6;
+pub(super) const MAX_DURATION_S: f64 = 1e6;
 /// Settings of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Setup {
@@ -28,7 +28,7 @@ pub struct Setup {
     pub start_s: f64,
     /// Simulated time, s.
     pub duration_s: f64,
-    /// Number of steps per row; `None`: one, or as many as are needed not to exceed [`MOST_ROWS`].
+    /// Number of steps per row; `None`: one, or as many as are needed not to exceed [`MAX_ROWS`].
     pub record_every: Option<u64>,
     /// Error that a step may have (see [`moreau::Accuracy::tolerance`]); `None`: all steps are as long as the settings
     /// say. With a tolerance, rows stand where they would without, and steps between two of them are as long as their
@@ -50,7 +50,7 @@ pub struct Setup {
 #[non_exhaustive]
 pub enum SimulationError {
     /// The step is out of range.
-    #[error("the step is {found} s; expected a number from {SMALLEST_STEP_S:e} to {LARGEST_STEP_S:e} s")]
+    #[error("the step is {found} s; expected a number from {SMALLEST_STEP_S:e} to {MAX_STEP_S:e} s")]
     Step {
         /// s.
         found: f64,
@@ -77,7 +77,7 @@ pub enum SimulationError {
     },
     /// More rows than can be held.
     #[error(
-        "a row every {every} steps makes {found} rows; expected a row every {least} steps or more, for at most {MOST_ROWS_ASKED} rows"
+        "a row every {every} steps makes {found} rows; expected a row every {least} steps or more, for at most {MAX_ROWS_ASKED} rows"
     )]
     Rows {
         /// Steps from row to row.
@@ -153,7 +153,7 @@ impl From<ActionError> for SimulationError {
 
 impl Setup {
     /// A run of a duration, s, from the stroke's start at 0: steps of 50 us with the usual settings, every step a row
-    /// (or every n-th, not to exceed [`MOST_ROWS`]), with the ledger.
+    /// (or every n-th, not to exceed [`MAX_ROWS`]), with the ledger.
     pub fn new(duration_s: f64) -> Self {
         let settings = Settings::new(equilibrium::STEP_S);
         Setup {
@@ -162,7 +162,7 @@ impl Setup {
             duration_s,
             record_every: None,
             tolerance: None,
-            halving: Halving::AsAsked,
+            halving: Halving::Auto,
             ledger: true,
             pedal: Pedal::default(),
             hand: None,
@@ -196,7 +196,7 @@ impl Setup {
     /// See [`SimulationError`].
     pub fn check(&self) -> Result<u64, SimulationError> {
         let Settings { step, theta, .. } = self.settings;
-        if !(SMALLEST_STEP_S..=LARGEST_STEP_S).contains(&step) {
+        if !(SMALLEST_STEP_S..=MAX_STEP_S).contains(&step) {
             return Err(SimulationError::Step { found: step });
         }
         if !(0.5..=1.0).contains(&theta) {
@@ -213,15 +213,15 @@ impl Setup {
         if let Some(hand) = &self.hand {
             hand.check()?;
         }
-        let longest = LONGEST_S;
+        let longest = MAX_DURATION_S;
         if !(self.duration_s > 0.0 && self.duration_s <= longest) {
             return Err(SimulationError::Duration { found: self.duration_s, longest });
         }
         let steps = (self.duration_s / step).round().max(1.0) as u64;
         if let Some(every) = self.record_every.map(|every| every.max(1))
-            && steps / every > MOST_ROWS_ASKED
+            && steps / every > MAX_ROWS_ASKED
         {
-            let least = steps.div_ceil(MOST_ROWS_ASKED);
+            let least = steps.div_ceil(MAX_ROWS_ASKED);
             return Err(SimulationError::Rows { every, found: steps / every, least });
         }
         Ok(steps)
@@ -247,15 +247,17 @@ impl SimulationError {
         };
         match self {
             SimulationError::Equilibrium(EquilibriumError::NoRest { body, speed, .. }) => {
-                warning(Kind::NoRest, Some(body.clone()), *speed, "rad/s", None)
+                warning(WarningKind::NoRest, Some(body.clone()), *speed, "rad/s", None)
             }
             SimulationError::Equilibrium(EquilibriumError::Unsolved { time_s, .. }) => {
-                warning(Kind::UnconvergedSteps, None, f64::from(UNSOLVED_STEPS), "steps", Some(*time_s))
+                warning(WarningKind::UnconvergedSteps, None, f64::from(UNSOLVED_STEPS), "steps", Some(*time_s))
             }
             SimulationError::Equilibrium(EquilibriumError::NonFinite) => {
-                warning(Kind::NonFinite, None, f64::INFINITY, "", None)
+                warning(WarningKind::NonFinite, None, f64::INFINITY, "", None)
             }
-            SimulationError::NonFinite { time_s } => warning(Kind::NonFinite, None, f64::INFINITY, "", Some(*time_s)),
+            SimulationError::NonFinite { time_s } => {
+                warning(WarningKind::NonFinite, None, f64::INFINITY, "", Some(*time_s))
+            }
             _ => None,
         }
     }

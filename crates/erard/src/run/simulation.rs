@@ -8,7 +8,7 @@ use crate::mechanism::Halving;
 use crate::player::{Action, Drive, Input, Observer, Snapshot};
 use crate::progress::Progress;
 use crate::stroke::HandStroke;
-use crate::trust::Kind;
+use crate::trust::WarningKind;
 
 /// [`simulate`] without a progress callback.
 ///
@@ -78,14 +78,14 @@ pub fn simulate_from(
 ) -> Result<Run, SimulationError> {
     let steps = setup.check()?;
     let drive = setup.driven(drive)?;
-    let mut action = Action::asking(instrument, setup.settings, progress)?;
+    let mut action = Action::with_progress(instrument, setup.settings, progress)?;
     action.restore(start)?;
     let mut run = RunLoop::new(instrument, &drive, setup, steps, action, None);
     run.fixed(progress)?;
     progress(1.0);
     let mut run = run.finish(instrument);
     // A saved state may be in the middle of a motion: where it begins is no rest.
-    run.warnings.retain(|warning| warning.kind != Kind::RestFarFromDrawing);
+    run.warnings.retain(|warning| warning.kind != WarningKind::RestFarFromDrawing);
     Ok(run)
 }
 
@@ -105,8 +105,8 @@ fn simulate_before(
     if setup.tolerance.is_some() && instrument.has_yielding_strings() {
         return Err(SimulationError::StringsControlled);
     }
-    let mut action = Action::asking(instrument, setup.settings, progress)?;
-    if setup.halving != Halving::AsAsked {
+    let mut action = Action::with_progress(instrument, setup.settings, progress)?;
+    if setup.halving != Halving::Auto {
         action.halve(setup.halving);
     }
     put_pedal(&mut action, instrument, setup, progress)?;

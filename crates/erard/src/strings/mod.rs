@@ -48,7 +48,7 @@ mod rows;
 mod shape_probe;
 
 pub use modal::Strings;
-pub use pedal::{PEDAL_M_PER_S, PEDAL_MOST_M, Pedal, PedalError};
+pub use pedal::{MAX_PEDAL_M, PEDAL_M_PER_S, Pedal, PedalError};
 pub use shape_probe::ShapeProbe;
 
 use crate::instrument::Instrument;
@@ -70,7 +70,7 @@ pub(crate) fn yielding_zones(instrument: &Instrument) -> Vec<(usize, f64)> {
         return Vec::new();
     };
     let dampers = instrument.strings.iter().filter_map(|one| one.damper).map(|felt| (felt.zone, DAMPER_EXCURSION_M));
-    let pedal = instrument.roles.pedal.map(|zone| (zone, PEDAL_MOST_M));
+    let pedal = instrument.roles.pedal.map(|zone| (zone, MAX_PEDAL_M));
     [(string, EXCURSION_M)].into_iter().chain(dampers).chain(pedal).collect()
 }
 

@@ -8,7 +8,7 @@ use thiserror::Error;
 use crate::parameter::{Bare, Quantity};
 
 /// Largest lift of the rail, m.
-pub const PEDAL_MOST_M: f64 = 10e-3;
+pub const MAX_PEDAL_M: f64 = 10e-3;
 /// Speed at which it follows its target, m/s: a stamping foot moves it by 10 mm in 20 ms. Without the limit a jump of
 /// the target would hit the dampers like a hammer.
 pub const PEDAL_M_PER_S: f64 = 0.5;
@@ -24,7 +24,7 @@ impl Rail {
     /// Sets its target, clamped to its range; NaN changes nothing.
     pub(crate) fn aim(&mut self, lift_m: f64) {
         if !lift_m.is_nan() {
-            self.aim_m = lift_m.clamp(0.0, PEDAL_MOST_M);
+            self.aim_m = lift_m.clamp(0.0, MAX_PEDAL_M);
         }
     }
 
@@ -46,14 +46,14 @@ impl Rail {
 }
 
 /// Most instants of a [`Pedal`].
-const MOST: usize = 16;
+const MAX_INSTANTS: usize = 16;
 
 /// How the sustain pedal's rail is moved over a run: its lift at some instants, straight lines between them, constant
 /// before and after.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pedal {
     /// s, and m.
-    points: [[f64; 2]; MOST],
+    points: [[f64; 2]; MAX_INSTANTS],
     count: usize,
 }
 
@@ -62,7 +62,7 @@ pub struct Pedal {
 #[non_exhaustive]
 pub enum PedalError {
     /// Not a lift.
-    #[error("pedal `{found}`: expected a lift from 0 to {} mm, e.g. 7mm, or instants with lifts, e.g. 0s=0mm,0.5s=7mm", 1e3 * PEDAL_MOST_M)]
+    #[error("pedal `{found}`: expected a lift from 0 to {} mm, e.g. 7mm, or instants with lifts, e.g. 0s=0mm,0.5s=7mm", 1e3 * MAX_PEDAL_M)]
     Lift {
         /// Found text.
         found: String,
@@ -74,7 +74,7 @@ pub enum PedalError {
         found: String,
     },
     /// Too many.
-    #[error("the pedal has {found} instants; expected at most {MOST}")]
+    #[error("the pedal has {found} instants; expected at most {MAX_INSTANTS}")]
     Many {
         /// Number of instants.
         found: usize,
@@ -91,7 +91,7 @@ impl Pedal {
     /// One that is held so far down that its rail is lifted so far, m.
     #[must_use]
     pub fn held(lift_m: f64) -> Self {
-        let mut points = [[0.0; 2]; MOST];
+        let mut points = [[0.0; 2]; MAX_INSTANTS];
         points[0][1] = lift_m;
         Pedal { points, count: 1 }
     }
@@ -125,7 +125,7 @@ impl FromStr for Pedal {
             Quantity::Length
                 .read(part, Bare::In("mm"))
                 .ok()
-                .filter(|m| (0.0..=PEDAL_MOST_M).contains(m))
+                .filter(|m| (0.0..=MAX_PEDAL_M).contains(m))
                 .ok_or_else(|| wrong(part))
         };
         if !text.contains('=') {
@@ -133,10 +133,10 @@ impl FromStr for Pedal {
         }
         // Between semicolons, commas are decimal.
         let parts: Vec<&str> = text.split(if text.contains(';') { ';' } else { ',' }).collect();
-        if parts.len() > MOST {
+        if parts.len() > MAX_INSTANTS {
             return Err(PedalError::Many { found: parts.len() });
         }
-        let mut points = [[0.0; 2]; MOST];
+        let mut points = [[0.0; 2]; MAX_INSTANTS];
         for (i, part) in parts.iter().enumerate() {
             let (time, to) = part.split_once('=').ok_or_else(|| wrong(part))?;
             let time_s = Quantity::Time.read(time, Bare::Si).map_err(|_| wrong(part))?;

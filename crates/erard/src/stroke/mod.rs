@@ -33,7 +33,7 @@ pub use rows::MAX_BYTES;
 pub use speed::SpeedSeries;
 
 /// Largest force, N: a finger plays fortissimo with less than 50.
-pub const MAX_FORCE_N: f64 = crate::player::LARGEST_FORCE_N;
+pub const MAX_FORCE_N: f64 = crate::player::MAX_FORCE_N;
 
 /// Returns the fault of a constant force, N, if there is one: it must be from 0 to [`MAX_FORCE_N`].
 #[must_use]

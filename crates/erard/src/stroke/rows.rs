@@ -11,9 +11,9 @@ use super::StrokeError;
 /// Most bytes that are read.
 pub const MAX_BYTES: u64 = 1 << 30;
 /// Longest line, bytes. Without a bound, a file that is not a table would end up in memory as one row.
-const LONGEST_LINE: u64 = 1 << 16;
+const MAX_LINE_LENGTH: u64 = 1 << 16;
 /// Longest excerpt that an error quotes, in characters.
-const LONGEST_EXCERPT: usize = 60;
+const MAX_EXCERPT_LENGTH: usize = 60;
 
 /// Beginnings of comments.
 const COMMENTS: [&str; 3] = ["#", "%", "//"];
@@ -78,7 +78,7 @@ impl<R: Read> Rows<R> {
     pub(super) fn next(&mut self) -> Result<Option<Row<'_>>, Box<StrokeError>> {
         loop {
             self.bytes.clear();
-            let limit = LONGEST_LINE.min(self.bytes_left) + 1;
+            let limit = MAX_LINE_LENGTH.min(self.bytes_left) + 1;
             let count = (&mut self.reader)
                 .take(limit)
                 .read_until(b'\n', &mut self.bytes)
@@ -91,8 +91,8 @@ impl<R: Read> Rows<R> {
             if count > self.bytes_left {
                 return Err(self.place.whole_file(format!("larger than {} MiB", MAX_BYTES >> 20), ""));
             }
-            if count > LONGEST_LINE {
-                let message = format!("a line of more than {} KiB: this is not a table", LONGEST_LINE >> 10);
+            if count > MAX_LINE_LENGTH {
+                let message = format!("a line of more than {} KiB: this is not a table", MAX_LINE_LENGTH >> 10);
                 return Err(self.place.fault("", message, "", ""));
             }
             self.bytes_left -= count;
@@ -194,7 +194,7 @@ impl Place {
 /// One line, not too long, without control characters, in the quotes of an error message.
 pub(super) fn excerpt(text: &str) -> String {
     let text = text.trim();
-    let mut short: String = text.chars().filter(|c| !c.is_control()).take(LONGEST_EXCERPT).collect();
+    let mut short: String = text.chars().filter(|c| !c.is_control()).take(MAX_EXCERPT_LENGTH).collect();
     if short.len() < text.len() {
         short.push_str("...");
     }

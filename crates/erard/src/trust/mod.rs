@@ -14,7 +14,7 @@
 //! assert!(run.is_trusted());
 //! // Ten thousand newtons crush whatever stands in their way.
 //! let crushed = press(&grand, &|_| Input::Force(10_000.0), &Setup::new(0.01))?;
-//! assert!(crushed.warnings.iter().any(|w| w.kind == erard::trust::Kind::FeltBeyondThickness));
+//! assert!(crushed.warnings.iter().any(|w| w.kind == erard::trust::WarningKind::FeltBeyondThickness));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -56,7 +56,7 @@ pub const LEAST_TURNOVER_J: f64 = 1e-6;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
-pub enum Kind {
+pub enum WarningKind {
     /// The energy balance does not close.
     EnergyResidual,
     /// Steps reached an iteration limit.
@@ -81,22 +81,22 @@ pub enum Kind {
     NonFinite,
 }
 
-impl Kind {
+impl WarningKind {
     /// Its name, as in files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Kind::EnergyResidual => "energy_residual",
-            Kind::UnconvergedSteps => "unconverged_steps",
-            Kind::FeltBeyondThickness => "felt_beyond_thickness",
-            Kind::TurnBeyondStops => "turn_beyond_stops",
-            Kind::HammerSpeed => "hammer_speed",
-            Kind::ContactSteps => "contact_steps",
-            Kind::PartialsBeyondStep => "partials_beyond_step",
-            Kind::StringTension => "string_tension",
-            Kind::RestFarFromDrawing => "rest_far_from_drawing",
-            Kind::NoRest => "no_rest",
-            Kind::NonFinite => "non_finite",
+            WarningKind::EnergyResidual => "energy_residual",
+            WarningKind::UnconvergedSteps => "unconverged_steps",
+            WarningKind::FeltBeyondThickness => "felt_beyond_thickness",
+            WarningKind::TurnBeyondStops => "turn_beyond_stops",
+            WarningKind::HammerSpeed => "hammer_speed",
+            WarningKind::ContactSteps => "contact_steps",
+            WarningKind::PartialsBeyondStep => "partials_beyond_step",
+            WarningKind::StringTension => "string_tension",
+            WarningKind::RestFarFromDrawing => "rest_far_from_drawing",
+            WarningKind::NoRest => "no_rest",
+            WarningKind::NonFinite => "non_finite",
         }
     }
 }
@@ -106,7 +106,7 @@ impl Kind {
 #[non_exhaustive]
 pub struct Warning {
     /// Kind of doubt.
-    pub kind: Kind,
+    pub kind: WarningKind,
     /// The doubt as a sentence, without a full stop.
     pub what: String,
     /// The zone or body concerned; `None` for the whole run.
@@ -161,7 +161,7 @@ fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if contact.steps < CONTACT_STEPS {
         warnings.push(Warning {
-            kind: Kind::ContactSteps,
+            kind: WarningKind::ContactSteps,
             what: format!(
                 "the hammer's contact with the strings at {} took {} steps; expected at least {CONTACT_STEPS}. Try a smaller step",
                 instant(contact.since_s),
@@ -179,7 +179,7 @@ fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
     let count: u32 = instrument.strings.iter().map(beyond).sum();
     if count > 0 {
         warnings.push(Warning {
-            kind: Kind::PartialsBeyondStep,
+            kind: WarningKind::PartialsBeyondStep,
             what: format!(
                 "{count} partials of the strings lie between {} Hz and 20 kHz, too high to be resolved by steps of {} us. Try a smaller step",
                 rounded(reach_hz),
@@ -200,7 +200,7 @@ fn of_strings(instrument: &Instrument, struck: &Struck) -> Vec<Warning> {
 pub fn of_impacts(events: &Events) -> Option<Warning> {
     let fastest = events.impacts.iter().max_by(|a, b| a.hammer_speed_m_per_s.total_cmp(&b.hammer_speed_m_per_s))?;
     (fastest.hammer_speed_m_per_s > HAMMER_SPEED_M_PER_S).then(|| Warning {
-        kind: Kind::HammerSpeed,
+        kind: WarningKind::HammerSpeed,
         what: format!(
             "the hammer reaches the string with {} m/s at {}; real hammers reach at most {} m/s",
             rounded(fastest.hammer_speed_m_per_s),
@@ -225,7 +225,7 @@ fn of_rest(instrument: &Instrument, extremes: &Extremes) -> Option<Warning> {
     let turned = instrument.bodies.iter().zip(&extremes.first);
     let (body, by) = turned.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     (by.abs() > REST_RAD).then(|| Warning {
-        kind: Kind::RestFarFromDrawing,
+        kind: WarningKind::RestFarFromDrawing,
         what: format!(
             "the body `{}` rests {} degrees from as drawn (at most {}): does the normal of a line point the wrong way?",
             body.name,
@@ -247,7 +247,7 @@ fn of_tensions(instrument: &Instrument) -> Option<Warning> {
     let excess = |string: &&PianoString| string.tension_n / most(string);
     let string = instrument.strings.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
     (string.tension_n > most(string)).then(|| Warning {
-        kind: Kind::StringTension,
+        kind: WarningKind::StringTension,
         what: format!(
             "the string `{}` is pulled by {} N, and steel wire of its mass breaks at {} N at most",
             string.name,
@@ -270,7 +270,7 @@ pub fn of_energy(residual: f64) -> Option<Warning> {
         return None;
     }
     Some(Warning {
-        kind: Kind::EnergyResidual,
+        kind: WarningKind::EnergyResidual,
         what: format!(
             "the energy balance has an error of {} of the work put in; expected at most {}. Try a smaller step",
             percent(residual),
@@ -288,7 +288,7 @@ pub fn of_energy(residual: f64) -> Option<Warning> {
 #[must_use]
 pub fn of_steps(unconverged: u64, steps: u64) -> Option<Warning> {
     (unconverged > UNCONVERGED_STEPS).then(|| Warning {
-        kind: Kind::UnconvergedSteps,
+        kind: WarningKind::UnconvergedSteps,
         what: format!("{unconverged} of {steps} steps did not converge. Try a smaller step"),
         part: None,
         value: unconverged as f64,
@@ -303,7 +303,7 @@ fn of_felts<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iter
     instrument.zones.iter().zip(&extremes.deepest).filter_map(|(zone, deepest)| {
         let thickness_m = zone.felt.thickness_m?;
         (deepest.value > thickness_m).then(|| Warning {
-            kind: Kind::FeltBeyondThickness,
+            kind: WarningKind::FeltBeyondThickness,
             what: format!(
                 "the felt `{}` is compressed by {} mm at {}, but it is {} mm thick",
                 zone.name,
@@ -329,7 +329,7 @@ fn of_turns<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iter
             if highest.value - high >= low - lowest.value { (highest, high) } else { (lowest, low) };
         let beyond = furthest.value > high || furthest.value < low;
         beyond.then(|| Warning {
-            kind: Kind::TurnBeyondStops,
+            kind: WarningKind::TurnBeyondStops,
             what: format!(
                 "the body `{}` has turned by {} degrees at {}; its stops allow {}. Is a stop missing?",
                 body.name,
@@ -349,7 +349,7 @@ fn of_turns<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iter
 /// Counts the warnings of many runs by kind and part, and keeps the worst of each.
 pub fn worst_of_each<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec<(usize, &'a Warning)> {
     let beyond = |w: &Warning| (w.value - w.bound).abs();
-    let mut kinds: BTreeMap<(Kind, Option<&str>), (usize, &Warning)> = BTreeMap::new();
+    let mut kinds: BTreeMap<(WarningKind, Option<&str>), (usize, &Warning)> = BTreeMap::new();
     for warning in warnings {
         let (count, worst) = kinds.entry((warning.kind, warning.part.as_deref())).or_insert((0, warning));
         *count += 1;
@@ -408,17 +408,17 @@ mod tests {
     #[test]
     fn names_are_those_of_the_files() {
         for kind in [
-            Kind::EnergyResidual,
-            Kind::UnconvergedSteps,
-            Kind::FeltBeyondThickness,
-            Kind::TurnBeyondStops,
-            Kind::HammerSpeed,
-            Kind::ContactSteps,
-            Kind::PartialsBeyondStep,
-            Kind::StringTension,
-            Kind::RestFarFromDrawing,
-            Kind::NoRest,
-            Kind::NonFinite,
+            WarningKind::EnergyResidual,
+            WarningKind::UnconvergedSteps,
+            WarningKind::FeltBeyondThickness,
+            WarningKind::TurnBeyondStops,
+            WarningKind::HammerSpeed,
+            WarningKind::ContactSteps,
+            WarningKind::PartialsBeyondStep,
+            WarningKind::StringTension,
+            WarningKind::RestFarFromDrawing,
+            WarningKind::NoRest,
+            WarningKind::NonFinite,
         ] {
             assert_eq!(format!("\"{}\"", kind.name()), serde_json::to_string(&kind).unwrap());
         }

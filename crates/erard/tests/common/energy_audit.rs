@@ -8,7 +8,7 @@ use erard::mechanism::Mechanism;
 use erard::player::rest::Rest;
 use erard::player::{Drive, Observer};
 use erard::trust::LEAST_TURNOVER_J;
-use moreau::{Hereditary, Input, Loss, MEMORY, SavedState};
+use moreau::{Hereditary, Loss, MEMORY, SavedState, SiteInput};
 
 /// A state of any size.
 type State = SavedState<f64, 12, 32>;
@@ -131,7 +131,7 @@ impl<'a> EnergyAudit<'a> {
     }
 
     /// Books a step that ended in such a state, under an input of the engine's.
-    fn book(&mut self, h: f64, theta: f64, input: &Input<f64>, after: &State) {
+    fn book(&mut self, h: f64, theta: f64, input: &SiteInput<f64>, after: &State) {
         std::mem::swap(&mut self.before, &mut self.now);
         self.place(&after.angle, &after.velocity, &after.memory);
         self.now.hand = after.hand;
@@ -139,15 +139,15 @@ impl<'a> EnergyAudit<'a> {
         let [place, speed] = [0, 1].map(|k| at_theta(self.before.site[k], self.now.site[k]));
         let finger = &self.instrument.finger;
         let force = match *input {
-            Input::Free => 0.0,
-            Input::Force(force) => force,
-            Input::Motion { position, velocity } => {
+            SiteInput::Free => 0.0,
+            SiteInput::Force(force) => force,
+            SiteInput::Motion { position, velocity } => {
                 let push = finger.stiffness_n_per_m * (position - place);
                 (push + finger.damping_n_s_per_m * (velocity - speed)).max(0.0)
             }
-            Input::Rigid { .. } => after.rigid_force,
+            SiteInput::Rigid { .. } => after.rigid_force,
             // What the muscle does and the hand does not take is the fingertip's.
-            Input::Hand(hand) => {
+            SiteInput::Hand(hand) => {
                 let [[x0, v0], [x1, v1]] = [self.before.hand, self.now.hand];
                 let (x, v) = (at_theta(x0, x1), at_theta(v0, v1));
                 hand.force + hand.stiffness * (hand.position - x) + hand.damping * (hand.velocity - v)

@@ -1,11 +1,11 @@
 //! Random instruments and random strokes, each made from one number, so that a bad one can be made again.
 
 use erard::instrument::{Curve, Instrument, Vec2};
-use erard::mechanism::{open_ledger, take_stock};
+use erard::mechanism::{open_ledger, update_energies};
 use erard::player::equilibrium::EquilibriumError;
 use erard::player::{Action, Input};
 use erard::stroke::{Cursor, NUANCES, Series, Touch};
-use moreau::{Ledger, Outcome, Settings};
+use moreau::{Ledger, Settings, StepOutcome};
 
 use super::tremolo;
 
@@ -189,7 +189,7 @@ pub fn play_on(instrument: &Instrument, seed: u64, settings: Settings<f64>, dura
             return fate;
         }
     }
-    action.rest_here(instrument);
+    action.set_reference_pose(instrument);
     let mut ledger = open_ledger(action.mechanism_mut());
     let (h, theta) = (settings.step, settings.theta);
     fate.steps = (duration_s / h) as u64;
@@ -207,25 +207,25 @@ pub fn play_on(instrument: &Instrument, seed: u64, settings: Settings<f64>, dura
             }
         };
         match action.step(input).outcome {
-            Outcome::Converged => {}
-            Outcome::IterationLimit => fate.unconverged += 1,
-            Outcome::NonFinite | Outcome::TooManyLaws => {
+            StepOutcome::Converged => {}
+            StepOutcome::IterationLimit => fate.unconverged += 1,
+            StepOutcome::NonFinite | StepOutcome::TooManyLaws => {
                 fate.not_finite = true;
                 return fate;
             }
         }
         fate.newton += u64::from(action.mechanism().readout().output.report.newton);
-        action.mechanism().book(&mut ledger);
+        action.mechanism().record_energy(&mut ledger);
         if n % STOCK == STOCK - 1 {
-            take_stock(action.mechanism(), &mut ledger);
-            fate.take_stock(&ledger);
+            update_energies(action.mechanism(), &mut ledger);
+            fate.update_energies(&ledger);
         }
     }
     fate
 }
 
 impl Fate {
-    fn take_stock(&mut self, ledger: &Ledger) {
+    fn update_energies(&mut self, ledger: &Ledger) {
         let turnover = ledger.drive_work_in + ledger.dissipated() + ledger.start.felt + ledger.start.spring.abs();
         let share = ledger.residual() / turnover.max(1e-6);
         self.residual = self.residual.max(share.abs());

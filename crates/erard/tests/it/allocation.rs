@@ -5,21 +5,21 @@
 use crate::common::rigid_grand_at_rest;
 use erard::instrument::Instrument;
 use erard::mechanism::mechanism;
-use moreau::{Accuracy, FrictionLaw, Input, Outcome, Settings, Solver};
+use moreau::{Accuracy, FrictionLaw, Settings, SiteInput, Solver, StepOutcome};
 use moreau_kernels::Lanes;
 
 type GrandGroup = moreau_kernels::Group<6, 14, 10>;
 
 /// The input at a step: silence, strokes of up to 40 N, a soft finger's and an imposed motion, so that every kind of
 /// step occurs.
-fn input(n: u64) -> Input<f64> {
+fn input(n: u64) -> SiteInput<f64> {
     let phase = (n % 2000) as f64 / 2000.0;
     match n / 2000 % 5 {
-        0 => Input::Free,
-        1 => Input::Force(40.0 * phase),
-        2 => Input::Motion { position: 0.01 * phase, velocity: 0.1 },
-        3 => Input::Rigid { velocity: 0.05 * (0.5 - phase) },
-        _ => Input::Force(0.0),
+        0 => SiteInput::Free,
+        1 => SiteInput::Force(40.0 * phase),
+        2 => SiteInput::Motion { position: 0.01 * phase, velocity: 0.1 },
+        3 => SiteInput::Rigid { velocity: 0.05 * (0.5 - phase) },
+        _ => SiteInput::Force(0.0),
     }
 }
 
@@ -70,7 +70,7 @@ fn groups_never_allocate(of: u64) {
         for settings in [usual, Settings { tolerance: 0.0, newton_limit: 3, ..usual }] {
             let count = lanes.count();
             let mut group = GrandGroup::new(&vec![model.clone(); count], &vec![state.clone(); count], &settings, lanes);
-            let (mut inputs, mut outcomes) = ([Input::Free; 16], [Outcome::Converged; 16]);
+            let (mut inputs, mut outcomes) = ([SiteInput::Free; 16], [StepOutcome::Converged; 16]);
             let mut steps = 0;
             let counted = allocation_counter::measure(|| {
                 for n in (0..20_000).step_by(of as usize) {

@@ -160,7 +160,7 @@ fn a_held_note_is_still() {
             action.angles().to_vec()
         };
         let before = play(&mut action, 3.0);
-        assert!(action.rests(), "{bodies} bodies");
+        assert!(action.is_asleep(), "{bodies} bodies");
         assert_eq!(before, play(&mut action, 60.0));
     }
 }

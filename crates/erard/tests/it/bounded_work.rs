@@ -3,8 +3,8 @@
 use crate::common::rigid_grand_at_rest;
 use erard::assembly::describe;
 use erard::instrument::Instrument;
-use erard::mechanism::{mechanism, open_ledger, take_stock};
-use moreau::{Input, Outcome, Settings};
+use erard::mechanism::{mechanism, open_ledger, update_energies};
+use moreau::{Settings, SiteInput, StepOutcome};
 use moreau_kernels::{Lanes, side_by_side};
 
 type GrandGroup = moreau_kernels::Group<6, 14, 10>;
@@ -25,14 +25,14 @@ fn the_bound_is_reached_and_nothing_blows_up() {
         let (mut limited, mut most_sets) = (0, 0);
         for n in 0..40_000 {
             let force = if n % 4000 < 2000 { 40.0 } else { 0.0 };
-            let report = m.step(&Input::Force(force)).report;
-            m.book(&mut ledger);
+            let report = m.step(&SiteInput::Force(force)).report;
+            m.record_energy(&mut ledger);
             assert!(report.newton <= newton_limit, "{report:?}");
-            assert_ne!(report.outcome, Outcome::NonFinite, "step {n}");
-            limited += u32::from(report.outcome == Outcome::IterationLimit);
+            assert_ne!(report.outcome, StepOutcome::NonFinite, "step {n}");
+            limited += u32::from(report.outcome == StepOutcome::IterationLimit);
             most_sets = most_sets.max(report.solver);
             if n % 100 == 0 {
-                take_stock(m.as_ref(), &mut ledger);
+                update_energies(m.as_ref(), &mut ledger);
                 let (stored, put_in) = (ledger.now.total() - ledger.start.total(), ledger.drive_work);
                 assert!(stored.is_finite() && stored <= put_in + 0.01 * ledger.drive_work_in, "step {n}: {ledger:?}");
                 assert!(m.readout().angles.iter().chain(m.readout().velocities).all(|x| x.is_finite()), "step {n}");
@@ -55,10 +55,10 @@ fn one_sweep_is_no_disaster() {
     let mut m = mechanism(&grand, settings).expect("assembles");
     let mut limited = 0;
     for n in 0..20_000 {
-        let report = m.step(&Input::Force(if n < 10_000 { 40.0 } else { 0.0 })).report;
+        let report = m.step(&SiteInput::Force(if n < 10_000 { 40.0 } else { 0.0 })).report;
         assert!(report.newton <= 4 && report.solver <= 4, "{report:?}");
-        assert_ne!(report.outcome, Outcome::NonFinite, "step {n}");
-        limited += u32::from(report.outcome == Outcome::IterationLimit);
+        assert_ne!(report.outcome, StepOutcome::NonFinite, "step {n}");
+        limited += u32::from(report.outcome == StepOutcome::IterationLimit);
     }
     let energies = m.energies_at(m.readout().velocities);
     println!("{limited} of 20000 steps ran into the bound; energies {energies:?}");
@@ -76,19 +76,19 @@ fn lanes_run_into_the_bound_each_for_itself() {
         let count = lanes.count();
         let group = |lanes| GrandGroup::new(&vec![model.clone(); count], &vec![state.clone(); count], &settings, lanes);
         let (mut together, mut alone) = (group(lanes), group(Lanes::One));
-        let (mut outcomes, mut unused) = (vec![Outcome::Converged; count], vec![Outcome::Converged; count]);
+        let (mut outcomes, mut unused) = (vec![StepOutcome::Converged; count], vec![StepOutcome::Converged; count]);
         let mut limited = vec![0_u32; count];
         for n in 0..20_000 {
             // One lane rests, the others are struck at different rates.
             let force = |i: usize| if i > 0 && (n / (1000 * i)).is_multiple_of(2) { 40.0 } else { 0.0 };
-            let inputs: Vec<Input<f64>> = (0..count).map(|i| Input::Force(force(i))).collect();
+            let inputs: Vec<SiteInput<f64>> = (0..count).map(|i| SiteInput::Force(force(i))).collect();
             together.step(&inputs, &mut outcomes);
             // Without a tolerance rounding decides whether the last iteration changed nothing at all, so that outcomes
             // may differ.
             alone.step(&inputs, &mut unused);
             for (i, outcome) in outcomes.iter().enumerate() {
-                assert_ne!(*outcome, Outcome::NonFinite, "step {n}, lane {i}");
-                limited[i] += u32::from(*outcome == Outcome::IterationLimit);
+                assert_ne!(*outcome, StepOutcome::NonFinite, "step {n}, lane {i}");
+                limited[i] += u32::from(*outcome == StepOutcome::IterationLimit);
                 let ((angle, _), (own, _)) = (together.motion(i), alone.motion(i));
                 assert!(angle.iter().zip(&own).all(|(a, b)| (a - b).abs() < 1e-9), "step {n}, lane {i}");
             }
@@ -112,11 +112,11 @@ fn lanes_are_made_on_half_a_threads_stack() {
                 let count = lanes.count();
                 let mut group = side_by_side(&vec![&grand; count], &vec![state; count], &Settings::new(50e-6), lanes)
                     .expect("a size holds it");
-                let mut outcomes = vec![Outcome::Converged; count];
+                let mut outcomes = vec![StepOutcome::Converged; count];
                 for _ in 0..200 {
-                    group.step(&vec![Input::Force(20.0); count], &mut outcomes);
+                    group.step(&vec![SiteInput::Force(20.0); count], &mut outcomes);
                 }
-                assert!(outcomes.iter().all(|outcome| *outcome == Outcome::Converged), "{lanes:?}: {outcomes:?}");
+                assert!(outcomes.iter().all(|outcome| *outcome == StepOutcome::Converged), "{lanes:?}: {outcomes:?}");
                 (group.lanes(), group.state(count - 1).angle[0])
             })
             .collect::<Vec<_>>()

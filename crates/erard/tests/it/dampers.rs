@@ -8,7 +8,7 @@ use crate::common::{Play, USUAL_STEP_S};
 use erard::damper::damper_height_m;
 use erard::instrument::{BridgeMode, DamperFelt, Instrument, InstrumentFile};
 use erard::keyboard::{Keyboard, Keys};
-use erard::mechanism::{Halving, Mechanism, Stepping, mechanism, open_ledger, take_stock};
+use erard::mechanism::{Halving, Mechanism, Stepping, mechanism, open_ledger, update_energies};
 use erard::run::{Setup, SimulationError, simulate};
 use erard::strings::{Pedal, Strings};
 use erard::stroke::{HandStroke, Touch};
@@ -239,7 +239,7 @@ fn a_damped_string_is_the_one_of_an_independent_solution() {
             let mut worst: f64 = 0.0;
             for (instant, exact) in instants.iter().zip(&exact) {
                 while now < (instant / h).round() as usize {
-                    m.step(&moreau::Input::Free);
+                    m.step(&moreau::SiteInput::Free);
                     now += 1;
                 }
                 let energy = m.readout().surfaces.unwrap().energy();
@@ -265,7 +265,7 @@ fn dampers_lie_at_rest_exactly() {
     for _ in 0..200 {
         action.step(Input::Free);
     }
-    assert!(action.rests());
+    assert!(action.is_asleep());
     let strings = action.strings().unwrap();
     let forces: Vec<f64> = strings.damper_n().collect();
     let all: f64 = forces.iter().sum();
@@ -415,11 +415,11 @@ fn the_balance_closes_over_rocking_dampers_and_a_bridge_that_moves() {
             let before = m.readout().surfaces.unwrap().energy();
             let (mut lost, mut least) = (0.0, 0.0_f64);
             for _ in 0..(0.1 / h) as usize {
-                m.step_in_parts(&mut |_, _, _| moreau::Input::Free, &mut |m, _| m.book(&mut ledger));
+                m.step_in_parts(&mut |_, _, _| moreau::SiteInput::Free, &mut |m, _| m.record_energy(&mut ledger));
                 least = least.min(ledger.surface - lost);
                 lost = ledger.surface;
             }
-            take_stock(m.as_ref(), &mut ledger);
+            update_energies(m.as_ref(), &mut ledger);
             let (residual, left) = (ledger.residual() / before, m.readout().surfaces.unwrap().energy() / before);
             println!(
                 "{mass_kg} kg, {h:e}: residual {residual:.1e} of the energy, of which {left:.3} is left; least {:.1e}",
@@ -437,7 +437,7 @@ fn lost(instrument: &Instrument, h: f64, speeds_m_per_s: &[f64], time_s: f64) ->
     swing(m.as_mut(), speeds_m_per_s);
     let (start, before) = (strings(m.as_ref()).losses(), m.readout().surfaces.unwrap().lost());
     for _ in 0..(time_s / h).round() as usize {
-        m.step(&moreau::Input::Free);
+        m.step(&moreau::SiteInput::Free);
     }
     let found = strings(m.as_ref()).losses() - start;
     ([found.strings_j, found.bridge_j, found.rocking_j], m.readout().surfaces.unwrap().lost() - before)
@@ -554,7 +554,7 @@ fn strings_on_a_bridge_are_those_of_an_independent_solution() {
     ];
     let instrument = bridged();
     for (h, halving, bound) in
-        [(50e-6, Halving::AsAsked, 0.01), (25e-6, Halving::Never, 0.03), (12.5e-6, Halving::Never, 0.01)]
+        [(50e-6, Halving::Auto, 0.01), (25e-6, Halving::Never, 0.03), (12.5e-6, Halving::Never, 0.01)]
     {
         let mut m = mechanism(&instrument, Settings::new(h)).unwrap();
         m.configure(Stepping { halving, ..*m.readout().stepping });
@@ -562,7 +562,7 @@ fn strings_on_a_bridge_are_those_of_an_independent_solution() {
         let (mut now, start) = (0, m.readout().surfaces.unwrap().energy());
         for (instant, energy_j, bridge_n) in reference {
             while now < (instant / h).round() as usize {
-                m.step(&moreau::Input::Free);
+                m.step(&moreau::SiteInput::Free);
                 now += 1;
             }
             let found = m.readout().surfaces.unwrap().energy();
@@ -598,7 +598,7 @@ fn a_bridge_wins_nothing() {
         let before = m.readout().surfaces.unwrap().energy();
         let mut way_m: f64 = 0.0;
         for _ in 0..20_000 {
-            m.step(&moreau::Input::Free);
+            m.step(&moreau::SiteInput::Free);
             way_m = way_m.max(strings(m.as_ref()).bridge_m().abs());
         }
         let off = m.readout().surfaces.unwrap().energy() / before - 1.0;
@@ -695,12 +695,12 @@ mod nightly {
                 let (mut least, mut lost, mut both) = (0.0_f64, 0.0, 0);
                 let felts_before = ledger.start.felt;
                 for _ in 0..(1.0 / h) as usize {
-                    m.step_in_parts(&mut |_, _, _| moreau::Input::Free, &mut |m, _| m.book(&mut ledger));
+                    m.step_in_parts(&mut |_, _, _| moreau::SiteInput::Free, &mut |m, _| m.record_energy(&mut ledger));
                     least = least.min(ledger.surface - lost);
                     lost = ledger.surface;
                     both += usize::from(m.normal_force(0) > 0.0 && m.normal_force(1) > 0.0);
                 }
-                take_stock(m.as_ref(), &mut ledger);
+                update_energies(m.as_ref(), &mut ledger);
                 let residual = ledger.residual_relative();
                 println!(
                     "side {side}, {h:e}: residual {residual:.1e} of the work ({:.1e} J), lost {lost:.3e} J (felts at first {felts_before:.1e}), least {least:.1e}, both press in {both} steps",

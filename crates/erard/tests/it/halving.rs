@@ -7,7 +7,7 @@ use erard::instrument::Instrument;
 use erard::keyboard::{Keyboard, Keys};
 use erard::mechanism::{Halving, mechanism};
 use erard::strings::Strings;
-use erard::trust::Kind;
+use erard::trust::WarningKind;
 use erard::{Action, Input, Settings, Setup, press};
 
 /// Speeds of the hammer when it meets the string, m/s: pp, mf and ff of `validation/published.toml`, nearly.
@@ -48,7 +48,7 @@ fn thrown(instrument: &Instrument, speed_m_per_s: f64, halving: Halving) -> Impa
     let looks = LOOKS_S.map(|s| (s / h).round() as u64);
     while struck.is_none_or(|(_, since)| steps <= since + looks[1]) {
         assert!(steps < 5000, "the hammer does not reach the string");
-        action.mechanism_mut().step_in_parts(&mut |_, _, _| moreau::Input::Free, &mut |m, _| {
+        action.mechanism_mut().step_in_parts(&mut |_, _, _| moreau::SiteInput::Free, &mut |m, _| {
             let now = m.readout();
             if let (Some(impact), None) = (now.output.impact, struck) {
                 struck = Some((impact.hammer_speed_m_per_s, steps));
@@ -138,7 +138,7 @@ fn compass(keys: &[usize]) {
         let hz = |n: u32| instrument.strings[0].partial_hz(n);
         for speed_m_per_s in SPEEDS_M_PER_S {
             let exact = thrown(&instrument, speed_m_per_s, Halving::Further(3));
-            let own = thrown(&instrument, speed_m_per_s, Halving::AsAsked);
+            let own = thrown(&instrument, speed_m_per_s, Halving::Auto);
             let [pulse, db, cents] = worst(&own, &exact, &hz);
             println!(
                 "key {key}, {:.2} m/s: {:.2} ms in {} steps, off by {:.3} %, {db:.3} dB, {cents:.1e} cents",
@@ -206,11 +206,11 @@ fn trust_tells_of_steps_that_are_too_long_for_strings() {
         let setup = Setup { halving, ..Setup::new(0.12) };
         press(&c8, &|_| Input::Force(8.0), &setup).unwrap().warnings
     };
-    assert_eq!(warnings(Halving::AsAsked), []);
+    assert_eq!(warnings(Halving::Auto), []);
     let whole = warnings(Halving::Never);
     println!("{whole:#?}");
-    let of = |kind: Kind| whole.iter().find(|warning| warning.kind == kind).unwrap();
-    let (steps, partials) = (of(Kind::ContactSteps), of(Kind::PartialsBeyondStep));
+    let of = |kind: WarningKind| whole.iter().find(|warning| warning.kind == kind).unwrap();
+    let (steps, partials) = (of(WarningKind::ContactSteps), of(WarningKind::PartialsBeyondStep));
     assert!((2.0..20.0).contains(&steps.value) && steps.bound == 60.0);
     // Of 4 partials below 20 kHz two lie below 10, on three strings.
     assert!(partials.value == 6.0 && partials.what.contains("10000 Hz"), "{}", partials.what);
@@ -225,7 +225,7 @@ fn a_change_of_length_costs_no_energy_and_no_memory() {
         instrument.edit(|fields| fields.roles.rigid_bridge = !bridged).unwrap();
         let mut m = mechanism(&instrument, Settings::new(instrument.usual_step_s())).unwrap();
         for _ in 0..4000 {
-            m.step(&moreau::Input::Force(6.0));
+            m.step(&moreau::SiteInput::Force(6.0));
         }
         let surfaces = m.surfaces_mut().unwrap();
         let state = |surfaces: &dyn erard::mechanism::Surfaces| {
@@ -265,7 +265,7 @@ fn a_keyboard_can_be_stepped_in_whole_steps() {
     let instrument = Instrument::builtin("concert-grand-strings").unwrap();
     let settings = Settings::new(instrument.usual_step_s());
     let mut found = Vec::new();
-    for halving in [Halving::AsAsked, Halving::Never] {
+    for halving in [Halving::Auto, Halving::Never] {
         let mut keys = Keys::at_rest(&[instrument.clone(), instrument.clone()], settings).unwrap();
         keys.halve(Halving::Never);
         keys.halve(halving);
@@ -330,6 +330,6 @@ fn a_held_note_does_not_drift() {
     hold(&mut action, 2.0);
     let (angles, ringing) = (action.angles().to_vec(), action.strings().unwrap().bridge_n());
     hold(&mut action, 15.0);
-    assert!(!action.rests() && action.strings().unwrap().bridge_n() != ringing);
+    assert!(!action.is_asleep() && action.strings().unwrap().bridge_n() != ringing);
     assert_eq!(action.angles(), angles);
 }

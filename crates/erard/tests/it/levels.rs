@@ -5,21 +5,21 @@ use std::sync::LazyLock;
 use crate::common::grand;
 use erard::Instrument;
 use erard::keyboard::Keyboard;
-use erard::level::{CLOSE, HOLD_N, Kind, LET_GO_S, LEVELS, LevelError, MASS_KG, Reference, Solved};
+use erard::level::{CLOSE, HOLD_N, HandKind, LET_GO_S, LEVELS, LevelError, MASS_KG, Reference, Solved};
 use erard::run::{Run, Setup, press_by_hand};
 use erard::stroke::{HandStroke, Touch};
 
 const TOUCHES: [Touch; 2] = [Touch::Pressed, Touch::Struck];
 
-fn kind(touch: Touch) -> Kind {
-    Kind { touch, mass_kg: MASS_KG }
+fn kind(touch: Touch) -> HandKind {
+    HandKind { touch, mass_kg: MASS_KG }
 }
 
 fn reference(instrument: &Instrument) -> Reference {
     Reference::new(instrument, &mut |_| true).unwrap()
 }
 
-fn solve(reference: &mut Reference, kind: Kind, speed_m_per_s: f64) -> Solved {
+fn solve(reference: &mut Reference, kind: HandKind, speed_m_per_s: f64) -> Solved {
     reference.solve(kind, speed_m_per_s, &mut |_| true).unwrap()
 }
 
@@ -158,7 +158,7 @@ fn what_is_out_of_reach_is_answered_with_the_range() {
     for wrong in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
         let error = reference.solve(kind(Touch::Pressed), wrong, &mut |_| true).unwrap_err();
         assert!(matches!(error, LevelError::Speed { .. }), "{error}");
-        let hand = Kind { mass_kg: wrong, touch: Touch::Struck };
+        let hand = HandKind { mass_kg: wrong, touch: Touch::Struck };
         let error = reference.solve(hand, 1.0, &mut |_| true).unwrap_err();
         assert!(matches!(error, LevelError::Hand(_)), "{error}");
     }

@@ -4,7 +4,7 @@ use crate::common::{Play, USUAL_STEP_S, grand, rigid_grand};
 use erard::player::{MechanismState, SNAPSHOT_MARK};
 use erard::saved::{Lists, Unreadable, Writer};
 use erard::stroke::{Cursor, Series, Touch};
-use erard::{Action, FrictionLaw, Impact, Input, Instrument, Outcome, Settings, Snapshot, SnapshotError, Solver};
+use erard::{Action, FrictionLaw, Impact, Input, Instrument, Settings, Snapshot, SnapshotError, Solver, StepOutcome};
 
 /// The force of the mf stroke at the middle of a step.
 fn mf() -> impl Fn(u64) -> Input {
@@ -205,13 +205,13 @@ fn bad_inputs_leave_the_action_as_it_was() {
         }
         let before: Vec<f64> = action.angles().to_vec();
         let reading = action.step(bad);
-        assert_eq!(reading.outcome, Outcome::NonFinite, "{bad:?}");
+        assert_eq!(reading.outcome, StepOutcome::NonFinite, "{bad:?}");
         assert_eq!(action.angles(), before, "{bad:?}");
         let next = action.step(Input::Force(5.0));
-        assert_eq!(next.outcome, Outcome::Converged, "{bad:?}");
+        assert_eq!(next.outcome, StepOutcome::Converged, "{bad:?}");
         assert!(next.key_m.is_finite() && next.finger_force_n.is_finite());
         let rigid = action.step(Input::Rigid { position_m: next.key_m, velocity_m_per_s: 0.0 });
-        assert_eq!(rigid.outcome, Outcome::Converged, "{bad:?}");
+        assert_eq!(rigid.outcome, StepOutcome::Converged, "{bad:?}");
     }
 }
 

@@ -1,18 +1,18 @@
 //! Steps that would change nothing are left out, and nobody can tell.
 
 use crate::common::rigid_grand_at_rest;
-use moreau::{Input, Outcome, Settings, Sleep, step};
+use moreau::{Settings, SiteInput, Sleep, StepOutcome, step};
 use moreau_kernels::{Lanes, WorkspaceOfSix};
 
 type GrandGroup = moreau_kernels::Group<6, 14, 10>;
 
 /// Struck, held in check, held harder, let go: each for a while.
-fn input(n: usize) -> Input<f64> {
+fn input(n: usize) -> SiteInput<f64> {
     match n {
-        0..8_000 => Input::Force(5.0),
-        8_000..10_000 => Input::Force(6.0),
-        10_000..10_500 => Input::Motion { position: 0.0, velocity: 0.0 },
-        _ => Input::Free,
+        0..8_000 => SiteInput::Force(5.0),
+        8_000..10_000 => SiteInput::Force(6.0),
+        10_000..10_500 => SiteInput::Motion { position: 0.0, velocity: 0.0 },
+        _ => SiteInput::Free,
     }
 }
 
@@ -57,7 +57,7 @@ fn a_group_at_rest_takes_no_steps() {
         let group =
             || GrandGroup::new(&vec![model.clone(); count], &vec![start.clone(); count], &Settings::new(50e-6), lanes);
         let (mut plain, mut resting) = (group(), group());
-        let (mut outcomes, mut own) = (vec![Outcome::Converged; count], vec![Outcome::Converged; count]);
+        let (mut outcomes, mut own) = (vec![StepOutcome::Converged; count], vec![StepOutcome::Converged; count]);
         let mut left_out = 0;
         for n in 0..STEPS {
             let rested = resting.is_at_rest();

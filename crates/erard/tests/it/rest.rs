@@ -125,8 +125,11 @@ const RESTLESS: &str = "format = \"erard-instrument/1\"\nname = \"A mill\"\ngrav
 #[test]
 fn a_search_for_a_rest_that_does_not_end_well() {
     let mill = Instrument::parse(RESTLESS, "mill").unwrap();
-    let search = |progress: &mut erard::Progress<'_>| match Action::asking(&mill, Settings::new(USUAL_STEP_S), progress)
-    {
+    let search = |progress: &mut erard::Progress<'_>| match Action::with_progress(
+        &mill,
+        Settings::new(USUAL_STEP_S),
+        progress,
+    ) {
         Err(ActionError::Equilibrium(error)) => error,
         other => panic!("{:?}", other.map(|action| action.reading())),
     };
@@ -145,7 +148,7 @@ fn a_search_for_a_rest_that_does_not_end_well() {
         let mut explosive = Instrument::builtin(name).unwrap();
         explosive.edit(|fields| fields.zones.iter_mut().for_each(|zone| zone.felt.stiffness = 1e300)).unwrap();
         let mut asked = 0;
-        let error = Action::asking(&explosive, Settings::new(USUAL_STEP_S), &mut |_| {
+        let error = Action::with_progress(&explosive, Settings::new(USUAL_STEP_S), &mut |_| {
             asked += 1;
             true
         })

@@ -2,7 +2,7 @@
 
 use crate::common::{USUAL_STEP_S, rigid_grand};
 use erard::assembly::{assemble, drawn_angles};
-use moreau::{Input, Model, Outcome, Scalar, Settings, State, Workspace, step};
+use moreau::{Model, Scalar, Settings, SiteInput, State, StepOutcome, Workspace, step};
 
 /// Settling before the press, and the press, s.
 const SETTLE_S: f64 = 1.0;
@@ -26,10 +26,10 @@ where
     let mut caught_at = 0.0;
     let steps = |s: f64| (s / USUAL_STEP_S) as u32;
     for n in 0..steps(SETTLE_S + PRESS_S) {
-        let input = if n < steps(SETTLE_S) { Input::Free } else { Input::Force(T::from_f64(force_n)) };
+        let input = if n < steps(SETTLE_S) { SiteInput::Free } else { SiteInput::Force(T::from_f64(force_n)) };
         let report = step(&model, &settings, &input, &mut state, &mut workspace);
-        assert_ne!(report.outcome, Outcome::NonFinite, "step {n}");
-        unconverged += u32::from(report.outcome == Outcome::IterationLimit);
+        assert_ne!(report.outcome, StepOutcome::NonFinite, "step {n}");
+        unconverged += u32::from(report.outcome == StepOutcome::IterationLimit);
         if n >= steps(SETTLE_S) {
             fastest = fastest.max(f64::from(state.velocity[hammer]) * x.hypot(y));
         }

@@ -4,7 +4,7 @@
 use crate::common::{Play, USUAL_STEP_S, grand};
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::Keys;
-use erard::mechanism::{Halving, Mechanism, Stepping, mechanism, open_ledger, take_stock};
+use erard::mechanism::{Halving, Mechanism, Stepping, mechanism, open_ledger, update_energies};
 use erard::strings::Strings;
 use erard::stroke::Touch;
 use erard::{Action, Input, Settings};
@@ -93,7 +93,7 @@ fn impact(instrument: &Instrument, h: f64, speed: f64) -> Impact {
         (Impact { peak_n: 0.0, until_s: 0.0, contact_s: 0.0, back_m_per_s: 0.0, pulses: 0 }, false);
     let mut forces = Vec::new();
     for n in 0..(8e-3 / h) as usize {
-        m.step(&moreau::Input::Free);
+        m.step(&moreau::SiteInput::Free);
         let force = m.normal_force(0);
         forces.push(force);
         if force > 0.0 {
@@ -152,7 +152,7 @@ fn before_the_first_reflection_the_string_is_infinite() {
     let mut m = thrown(&instrument, h, 2.0);
     let mut way_m = 0.0;
     for n in 1..=32 {
-        m.step(&moreau::Input::Free);
+        m.step(&moreau::SiteInput::Free);
         let force = m.normal_force(0);
         way_m += h * force / impedance;
         let (found, expected) = (strings(m.as_ref()).displacement_m(), way_m - rounded * force);
@@ -174,7 +174,7 @@ fn blows_converge_with_the_second_order() {
     let spectrum = |h: f64, speed: f64| -> Vec<f64> {
         let mut m = thrown(&instrument, h, speed);
         for _ in 0..(8e-3 / h).round() as usize {
-            m.step(&moreau::Input::Free);
+            m.step(&moreau::SiteInput::Free);
         }
         let surfaces = m.readout().surfaces.unwrap();
         let mut numbers = Vec::new();
@@ -233,13 +233,13 @@ fn nothing_is_won_from_a_hammer_that_stays() {
         let (mut lost, mut least) = (0.0, 0.0_f64);
         let (steps, mut pressed) = ((1.0 / h) as usize, 0.0);
         for n in 0..steps {
-            m.step(&moreau::Input::Free);
-            m.book(&mut ledger);
+            m.step(&moreau::SiteInput::Free);
+            m.record_energy(&mut ledger);
             pressed += if n >= steps / 2 { m.normal_force(0) } else { 0.0 };
             least = least.min(ledger.surface - lost);
             lost = ledger.surface;
         }
-        take_stock(m.as_ref(), &mut ledger);
+        update_energies(m.as_ref(), &mut ledger);
         let residual = ledger.residual_relative();
         println!("{h:e}: residual {residual:.1e}, lost in strings {lost:.3e} J, least {least:.1e}");
         assert!(residual < 1e-6, "{h}: {residual:e}");
@@ -257,7 +257,7 @@ fn strings_lose_what_their_dashpots_take() {
     let instrument = bare("0", 0.0);
     let mut m = thrown(&instrument, 50e-6, 2.0);
     for _ in 0..100 {
-        m.step(&moreau::Input::Free);
+        m.step(&moreau::SiteInput::Free);
     }
     let surfaces = m.readout().surfaces.unwrap();
     let (energy, modes) = (surfaces.energy(), strings(m.as_ref()).modes());
@@ -285,7 +285,7 @@ fn strings_lose_what_their_dashpots_take() {
     }
     let before = surfaces.lost();
     for _ in 0..4000 {
-        m.step(&moreau::Input::Free);
+        m.step(&moreau::SiteInput::Free);
     }
     let lost = m.readout().surfaces.unwrap().lost() - before;
     assert!((lost / taken - 1.0).abs() < 1e-6, "{lost} {taken}");
@@ -300,7 +300,7 @@ fn partials_are_where_the_formula_has_them() {
     let mut m = thrown(&instrument, h, 2.0);
     let mut force = Vec::new();
     for n in 0..30_400 {
-        m.step(&moreau::Input::Free);
+        m.step(&moreau::SiteInput::Free);
         if n >= 400 {
             force.push(strings(m.as_ref()).bridge_n());
         }
@@ -371,9 +371,9 @@ fn strings_at_rest_cost_nothing() {
     // The damper's weight displaces them: `dampers.rs`.
     let at = |action: &Action| action.strings().unwrap().displacement_m();
     let before = at(&action);
-    assert!(action.rests() && before.abs() < 2e-5);
+    assert!(action.is_asleep() && before.abs() < 2e-5);
     action.step(Input::Free);
-    assert!(action.rests() && at(&action).to_bits() == before.to_bits());
+    assert!(action.is_asleep() && at(&action).to_bits() == before.to_bits());
     let mut keys = Keys::at_rest(&[strung(), strung()], Settings::new(USUAL_STEP_S)).unwrap();
     assert_eq!(keys.awake(), 0);
     keys.drive(1, Input::Force(5.0));
@@ -415,7 +415,7 @@ fn a_tail_has_no_denormal_numbers() {
             looked += 1;
         }
     }
-    println!("looked {looked} times; smallest number {small:e}; rests {}", action.rests());
+    println!("looked {looked} times; smallest number {small:e}; rests {}", action.is_asleep());
     assert!(looked > 1000 && small < 1e-12);
 }
 

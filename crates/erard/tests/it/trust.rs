@@ -6,14 +6,14 @@ use erard::keyboard::Keyboard;
 use erard::player::{Action, Input};
 use erard::run::{Run, Setup, simulate_from};
 use erard::stroke::Touch;
-use erard::trust::{ENERGY_RESIDUAL, Kind};
+use erard::trust::{ENERGY_RESIDUAL, WarningKind};
 use moreau::Settings;
 
 fn settings() -> Settings<f64> {
     Settings::new(USUAL_STEP_S)
 }
 
-fn kinds(run: &Run) -> Vec<Kind> {
+fn kinds(run: &Run) -> Vec<WarningKind> {
     run.warnings.iter().map(|w| w.kind).collect()
 }
 
@@ -63,7 +63,7 @@ fn missing_stops(names: &[&str]) -> u32 {
         for play in Play::strokes().chain(motions()).chain(Play::force_steps()) {
             let run = play.run_every(&instrument, settings(), 0.5, Some(u64::MAX));
             for warning in &run.warnings {
-                assert_eq!(warning.kind, Kind::TurnBeyondStops, "{name}, {play:?}: {warning}");
+                assert_eq!(warning.kind, WarningKind::TurnBeyondStops, "{name}, {play:?}: {warning}");
                 assert!(matches!(warning.part.as_deref(), Some("jack" | "damper")), "{name}, {play:?}: {warning}");
                 missing_stops += 1;
             }
@@ -104,7 +104,7 @@ fn grand_with(zone: &str, key: &str, value: &str) -> Instrument {
 #[test]
 fn a_string_felt_of_exponent_one_is_not_trusted() {
     let run = Play::Stroke("mf", Touch::Pressed).run(&grand_with("string", "exponent", "1"), settings(), 0.3);
-    assert!(kinds(&run).contains(&Kind::EnergyResidual), "{:?}", run.warnings);
+    assert!(kinds(&run).contains(&WarningKind::EnergyResidual), "{:?}", run.warnings);
 }
 
 /// Long steps that damp by themselves.
@@ -112,7 +112,8 @@ fn a_string_felt_of_exponent_one_is_not_trusted() {
 fn backward_euler_with_long_steps_is_not_trusted() {
     let run =
         Play::Frozen("ff", Touch::Pressed).run(&rigid_grand(), Settings { theta: 1.0, ..Settings::new(1e-3) }, 0.3);
-    let warning = run.warnings.iter().find(|w| w.kind == Kind::EnergyResidual).expect("it takes a third of the work");
+    let warning =
+        run.warnings.iter().find(|w| w.kind == WarningKind::EnergyResidual).expect("it takes a third of the work");
     assert!(warning.value > 0.3 && warning.bound == ENERGY_RESIDUAL && warning.time_s.is_none(), "{warning:?}");
     assert!(warning.what.contains("energy balance"), "{warning}");
 }
@@ -121,7 +122,7 @@ fn backward_euler_with_long_steps_is_not_trusted() {
 #[test]
 fn ten_thousand_newtons_are_not_trusted() {
     let run = Play::ForceStep(10_000.0, 0.1).run(&grand(), settings(), 0.1);
-    let crushed = run.warnings.iter().find(|w| w.kind == Kind::FeltBeyondThickness).expect("a felt is crushed");
+    let crushed = run.warnings.iter().find(|w| w.kind == WarningKind::FeltBeyondThickness).expect("a felt is crushed");
     assert!(crushed.value > crushed.bound && crushed.unit == "m" && crushed.part.is_some(), "{crushed:?}");
     assert!(crushed.time_s.is_some_and(|t| (0.0..=0.1).contains(&t)), "{crushed:?}");
 }
@@ -188,7 +189,10 @@ fn a_body_beyond_its_stops_is_told() {
     instrument.edit(|fields| fields.bodies[hammer].turn_rad = Some([-0.2, 0.1])).unwrap();
     let run = Play::Stroke("mf", Touch::Pressed).run(&instrument, settings(), 0.3);
     let [warning] = &run.warnings[..] else { panic!("{:?}", run.warnings) };
-    assert_eq!((warning.kind, warning.part.as_deref(), warning.unit), (Kind::TurnBeyondStops, Some("shank"), "rad"));
+    assert_eq!(
+        (warning.kind, warning.part.as_deref(), warning.unit),
+        (WarningKind::TurnBeyondStops, Some("shank"), "rad")
+    );
     assert!(warning.value > 0.3 && warning.bound == 0.1 && warning.time_s.is_some(), "{warning:?}");
     assert!(warning.what.contains("`shank`") && warning.what.contains("stop"), "{warning}");
 }
@@ -204,7 +208,7 @@ fn a_rest_far_from_the_drawing_is_told() {
     };
     instrument.edit(turn).unwrap();
     let run = erard::press(&instrument, &|_| erard::Input::Free, &erard::Setup::new(0.02)).unwrap();
-    let far = run.warnings.iter().find(|warning| warning.kind == Kind::RestFarFromDrawing).unwrap();
+    let far = run.warnings.iter().find(|warning| warning.kind == WarningKind::RestFarFromDrawing).unwrap();
     assert!(far.value.abs() > 0.8 && far.what.contains("wrong way"), "{far}");
     assert!(!run.is_trusted());
 }
@@ -217,7 +221,7 @@ fn a_string_that_would_break_is_told() {
         let mut instrument = strings.clone();
         instrument.edit(|fields| fields.strings.iter_mut().for_each(|string| string.tension_n *= factor)).unwrap();
         let run = erard::press(&instrument, &|_| erard::Input::Free, &erard::Setup::new(0.01)).unwrap();
-        run.warnings.iter().find(|warning| warning.kind == Kind::StringTension).cloned()
+        run.warnings.iter().find(|warning| warning.kind == WarningKind::StringTension).cloned()
     };
     assert_eq!(breaks(1.0), None);
     let told = breaks(2000.0).unwrap();
@@ -239,7 +243,7 @@ fn no_rest_is_a_warning_of_its_own() {
         .unwrap();
     let error = erard::press(&instrument, &|_| erard::Input::Free, &erard::Setup::new(0.1)).unwrap_err();
     let warning = error.warning().expect("a fault of the instrument's");
-    assert_eq!((warning.kind, warning.part.is_some()), (Kind::NoRest, true), "{warning:?}");
+    assert_eq!((warning.kind, warning.part.is_some()), (WarningKind::NoRest, true), "{warning:?}");
 }
 
 /// An impact that is faster than any hammer is reported, and the fastest of several.
@@ -261,6 +265,6 @@ fn a_blow_faster_than_any_is_told() {
             && erard::trust::of_impacts(&erard::Events::default()).is_none()
     );
     let warning = erard::trust::of_impacts(&events(180.0)).expect("no hammer does that");
-    assert_eq!((warning.kind, warning.value, warning.time_s), (Kind::HammerSpeed, 180.0, Some(0.2)));
+    assert_eq!((warning.kind, warning.value, warning.time_s), (WarningKind::HammerSpeed, 180.0, Some(0.2)));
     assert!(warning.what.contains("180 m/s"), "{warning}");
 }

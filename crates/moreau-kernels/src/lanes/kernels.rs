@@ -3,7 +3,8 @@
 #![allow(unsafe_code)]
 
 use moreau::{
-    Input, Mask, Model, Outcome, Real, SavedState, Scalar, Settings, State, Workspace, step_lanes, step_out_of_line,
+    Mask, Model, Real, SavedState, Scalar, Settings, SiteInput, State, StepOutcome, Workspace, step_lanes,
+    step_out_of_line,
 };
 
 use super::Together;
@@ -16,7 +17,7 @@ use super::avx2_single::F32x8;
 /// # Safety
 /// The processor must have the instructions that the kernel is compiled for.
 type Kernel<T, const B: usize, const Z: usize, const N: usize> =
-    unsafe fn(&mut Stepped<T, B, Z, N>, &[Input<f64>], &mut [Outcome]) -> bool;
+    unsafe fn(&mut Stepped<T, B, Z, N>, &[SiteInput<f64>], &mut [StepOutcome]) -> bool;
 
 /// What a step reads and writes, in one place: the kernel then finds all of it from one address, and has registers for
 /// other things.
@@ -35,7 +36,7 @@ pub(crate) struct Lanes<T: Real, const B: usize, const Z: usize, const N: usize>
     models: Vec<Model<f64, B, Z>>,
     own_settings: Settings<f64>,
     /// Inputs under which the last step changed nothing; empty where it did.
-    rests_under: Vec<Input<f64>>,
+    rests_under: Vec<SiteInput<f64>>,
 }
 
 impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> {
@@ -72,7 +73,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
     /// Inputs of different kinds: each lane alone.
     #[cold]
     #[inline(never)]
-    fn one_by_one(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    fn one_by_one(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]) {
         let mut workspace = Workspace::<f64, B, Z, N>::new();
         for (i, outcome) in outcomes[..T::LANES].iter_mut().enumerate() {
             let mut state = self.stepped.state.lane(i);
@@ -88,7 +89,7 @@ impl<T: Real<Mask: Send> + Send, const B: usize, const Z: usize, const N: usize>
         self.kind
     }
 
-    fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    fn step(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]) {
         let Lanes { kernel, stepped, rests_under, .. } = self;
         rests_under.clear();
         // SAFETY: `kernel` asks for the instructions it is compiled for. `new` is called by the functions of `width!`
@@ -98,16 +99,16 @@ impl<T: Real<Mask: Send> + Send, const B: usize, const Z: usize, const N: usize>
         }
     }
 
-    fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    fn step_or_rest(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]) {
         let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
         if self.is_at_rest() && inputs.iter().zip(&self.rests_under).all(|(a, b)| a.identical(b)) {
-            outcomes.fill(Outcome::Converged);
+            outcomes.fill(StepOutcome::Converged);
             return;
         }
         let before = self.stepped.state.stands().then(|| self.stepped.state.clone());
         self.step(inputs, outcomes);
         let same = before.is_some_and(|before| before.identical(&self.stepped.state));
-        if same && outcomes.iter().all(|outcome| *outcome == Outcome::Converged) {
+        if same && outcomes.iter().all(|outcome| *outcome == StepOutcome::Converged) {
             self.rests_under.extend_from_slice(inputs);
         }
     }
@@ -189,8 +190,8 @@ macro_rules! width {
         #[target_feature(enable = $features)]
         fn $kernel<const B: usize, const Z: usize, const N: usize>(
             stepped: &mut Stepped<$number, B, Z, N>,
-            inputs: &[Input<f64>],
-            outcomes: &mut [Outcome],
+            inputs: &[SiteInput<f64>],
+            outcomes: &mut [StepOutcome],
         ) -> bool {
             step_all(stepped, inputs, outcomes)
         }
@@ -208,23 +209,23 @@ pub(crate) fn has_avx2() -> bool {
 #[inline(always)]
 fn step_all<T: Real, const B: usize, const Z: usize, const N: usize>(
     stepped: &mut Stepped<T, B, Z, N>,
-    inputs: &[Input<f64>],
-    outcomes: &mut [Outcome],
+    inputs: &[SiteInput<f64>],
+    outcomes: &mut [StepOutcome],
 ) -> bool {
     // Their number is now known to the compiler.
     let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
-    let Some(input) = Input::of_lanes(inputs) else { return false };
+    let Some(input) = SiteInput::of_lanes(inputs) else { return false };
     let Stepped { model, state, settings, workspace } = stepped;
     let report = step_lanes(model, settings, &input, state, workspace);
     if report.converged.and(report.finite).all() {
-        outcomes.fill(Outcome::Converged);
+        outcomes.fill(StepOutcome::Converged);
         return true;
     }
     for (i, outcome) in outcomes.iter_mut().enumerate() {
         *outcome = match (report.finite.lane(i), report.converged.lane(i)) {
-            (false, _) => Outcome::NonFinite,
-            (true, true) => Outcome::Converged,
-            (true, false) => Outcome::IterationLimit,
+            (false, _) => StepOutcome::NonFinite,
+            (true, true) => StepOutcome::Converged,
+            (true, false) => StepOutcome::IterationLimit,
         };
     }
     true

@@ -14,7 +14,7 @@ mod kernels;
 #[cfg(target_arch = "x86_64")]
 mod number;
 
-use moreau::{Input, Model, Outcome, Settings, Sleep, State, Workspace, step_out_of_line};
+use moreau::{Model, Settings, SiteInput, Sleep, State, StepOutcome, Workspace, step_out_of_line};
 
 /// Number of mechanisms stepped in parallel, and their precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,8 +87,8 @@ pub struct Group<const B: usize, const Z: usize, const N: usize> {
 /// What a group is in one kind of lanes. The functions are those of [`Group`].
 trait Together<const B: usize, const Z: usize>: Send {
     fn lanes(&self) -> Lanes;
-    fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]);
-    fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]);
+    fn step(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]);
+    fn step_or_rest(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]);
     fn is_at_rest(&self) -> bool;
     fn copy_motion(&self, index: usize, angles: &mut [f64; B], velocities: &mut [f64; B]);
     fn copy_state(&self, index: usize, state: &mut State<f64, B, Z>);
@@ -108,7 +108,7 @@ impl<const B: usize, const Z: usize, const N: usize> Together<B, Z> for OneByOne
         Lanes::One
     }
 
-    fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    fn step(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]) {
         let OneByOne { models, states, settings, workspace, sleeps } = self;
         for (i, (model, state)) in models.iter().zip(states).enumerate() {
             sleeps[i].wake();
@@ -116,7 +116,7 @@ impl<const B: usize, const Z: usize, const N: usize> Together<B, Z> for OneByOne
         }
     }
 
-    fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    fn step_or_rest(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]) {
         let OneByOne { models, states, settings, workspace, sleeps } = self;
         for (i, (model, state)) in models.iter().zip(states).enumerate() {
             outcomes[i] = sleeps[i].step(model, settings, &inputs[i], state, workspace).outcome;
@@ -234,7 +234,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
     ///
     /// # Panics
     /// Panics if there are fewer inputs or outcomes than mechanisms.
-    pub fn step(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    pub fn step(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]) {
         self.together.step(inputs, outcomes);
     }
 
@@ -243,7 +243,7 @@ impl<const B: usize, const Z: usize, const N: usize> Group<B, Z, N> {
     ///
     /// # Panics
     /// As [`Group::step`].
-    pub fn step_or_rest(&mut self, inputs: &[Input<f64>], outcomes: &mut [Outcome]) {
+    pub fn step_or_rest(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]) {
         self.together.step_or_rest(inputs, outcomes);
     }
 

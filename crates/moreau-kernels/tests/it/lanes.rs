@@ -1,8 +1,8 @@
 //! Mechanisms in lanes move as each of them does alone.
 
 use moreau::{
-    Body, Curve, Description, Exponent, Felt, GROUND, Input, Loss, Model, Outcome, Settings, Site, State, Workspace,
-    Zone, step,
+    Body, ContactCurve, Description, Exponent, Felt, GROUND, Loss, Model, Settings, Site, SiteInput, State,
+    StepOutcome, Workspace, Zone, step,
 };
 use moreau_kernels::{Group, Lanes};
 
@@ -25,7 +25,7 @@ fn pair(i: usize) -> Model<f64, 2, 3> {
         center,
         radius: 0.005,
         curve_body,
-        curve: Curve::Line { point: [0.1, y], normal: [0.0, 1.0] },
+        curve: ContactCurve::Line { point: [0.1, y], normal: [0.0, 1.0] },
         felt,
         friction,
     };
@@ -51,8 +51,8 @@ fn group(lanes: Lanes, count: usize) -> Group<2, 3, 4> {
 }
 
 /// Pushes at a step, each lane's its own, so that the lanes slide, stick and need Newton iterations at different times.
-fn pushes(n: usize, count: usize) -> Vec<Input<f64>> {
-    (0..count).map(|i| Input::Force(if (n / (400 + 100 * i)).is_multiple_of(2) { -3.0 } else { 2.0 })).collect()
+fn pushes(n: usize, count: usize) -> Vec<SiteInput<f64>> {
+    (0..count).map(|i| SiteInput::Force(if (n / (400 + 100 * i)).is_multiple_of(2) { -3.0 } else { 2.0 })).collect()
 }
 
 /// The largest differences of two groups' angles and velocities.
@@ -84,7 +84,7 @@ fn a_step_in_lanes_is_a_step_alone() {
     in_doubles(|lanes| {
         let (count, settings) = (lanes.count(), Settings::new(50e-6));
         let (models, mut alone) = (models(count), group(Lanes::One, count));
-        let mut outcomes = [vec![Outcome::Converged; count], vec![Outcome::Converged; count]];
+        let mut outcomes = [vec![StepOutcome::Converged; count], vec![StepOutcome::Converged; count]];
         let mut moved = 0.0_f64;
         for n in 0..10_000 {
             let states: Vec<_> = (0..count).map(|i| alone.state(i)).collect();
@@ -117,7 +117,7 @@ fn a_single_step_in_lanes_is_a_single_step_alone() {
     let own = Settings::in_lanes(&settings);
     let mut states = vec![State::<f32, 2, 3>::at_rest([0.0; 2]); count];
     let mut workspace = Workspace::<f32, 2, 3, 4>::new();
-    let mut outcomes = vec![Outcome::Converged; count];
+    let mut outcomes = vec![StepOutcome::Converged; count];
     let (mut moved, mut apart) = (0.0_f64, [0.0_f64; 2]);
     for n in 0..10_000 {
         let before: Vec<State<f64, 2, 3>> = states.iter().map(|state| state.lane(0)).collect();
@@ -126,7 +126,7 @@ fn a_single_step_in_lanes_is_a_single_step_alone() {
         let inputs = pushes(n, count);
         together.step(&inputs, &mut outcomes);
         for (i, state) in states.iter_mut().enumerate() {
-            let input = Input::of_lanes(&inputs[i..=i]).expect("one");
+            let input = SiteInput::of_lanes(&inputs[i..=i]).expect("one");
             let report = step(&alone[i], &own, &input, state, &mut workspace);
             assert_eq!(outcomes[i], report.outcome, "step {n}, lane {i}");
             let (angle, velocity) = together.motion(i);
@@ -151,7 +151,7 @@ fn lanes_move_as_alone() {
         let (mut together, mut alone, mut shaken) =
             (group(lanes, count), group(Lanes::One, count), group(Lanes::One, count));
         assert_eq!((together.lanes(), alone.lanes()), (lanes, Lanes::One));
-        let mut outcomes = [vec![Outcome::Converged; count], vec![Outcome::Converged; count]];
+        let mut outcomes = [vec![StepOutcome::Converged; count], vec![StepOutcome::Converged; count]];
         let (mut lanes_apart, mut shaken_apart) = (0.0_f64, 0.0_f64);
         for n in 0..10_000 {
             let inputs = pushes(n, count);
@@ -159,7 +159,7 @@ fn lanes_move_as_alone() {
             let others: Vec<_> = inputs
                 .iter()
                 .map(|push| match push {
-                    Input::Force(force) => Input::Force(force * (1.0 + sign * 8.0 * f64::EPSILON)),
+                    SiteInput::Force(force) => SiteInput::Force(force * (1.0 + sign * 8.0 * f64::EPSILON)),
                     other => *other,
                 })
                 .collect();
@@ -181,18 +181,18 @@ fn a_lane_by_itself() {
     let lanes = Lanes::most();
     let count = lanes.count();
     let (mut together, mut alone) = (group(lanes, count), group(Lanes::One, count));
-    let mut outcomes = [vec![Outcome::Converged; count], vec![Outcome::Converged; count]];
+    let mut outcomes = [vec![StepOutcome::Converged; count], vec![StepOutcome::Converged; count]];
     for n in 0..200 {
         let push = |i: usize| match (i, n) {
-            (0, 100..) => Input::Force(f64::NAN),
-            (1, 50..100) => Input::Free,
-            _ => Input::Force(-1.0),
+            (0, 100..) => SiteInput::Force(f64::NAN),
+            (1, 50..100) => SiteInput::Free,
+            _ => SiteInput::Force(-1.0),
         };
         let inputs: Vec<_> = (0..count).map(push).collect();
         together.step(&inputs, &mut outcomes[0]);
         alone.step(&inputs, &mut outcomes[1]);
         assert_eq!(outcomes[0], outcomes[1], "step {n}");
-        assert_eq!(outcomes[0][0] == Outcome::NonFinite, n >= 100, "step {n}");
+        assert_eq!(outcomes[0][0] == StepOutcome::NonFinite, n >= 100, "step {n}");
     }
     for i in 0..count {
         let (a, b) = (together.state(i), alone.state(i));

@@ -5,12 +5,12 @@
 
 mod changes;
 
-use crate::input::Input;
+use crate::input::SiteInput;
 use crate::model::Model;
 use crate::real::{Real, Scalar};
 use crate::settings::Settings;
 use crate::state::State;
-use crate::step::{Outcome, step_out_of_line};
+use crate::step::{StepOutcome, step_out_of_line};
 use crate::workspace::Workspace;
 use changes::Changes;
 
@@ -102,8 +102,8 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> StepDoubling<T, B,
 /// Report of an adaptive step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlledStep<T> {
-    /// Outcome of the step; [`Outcome::NonFinite`] and [`Outcome::TooManyLaws`] leave the state unchanged.
-    pub outcome: Outcome,
+    /// Outcome of the step; [`StepOutcome::NonFinite`] and [`StepOutcome::TooManyLaws`] leave the state unchanged.
+    pub outcome: StepOutcome,
     /// Length, s.
     pub step: T,
     /// Estimated error over the error allowed; above one only at the smallest step.
@@ -124,8 +124,8 @@ pub struct ControlledStep<T> {
 /// and never panics; the number of inner steps is bounded.
 ///
 /// `input(from, h, state)` returns the input of an inner step of length `h` (s) that starts `from` (s) after this
-/// step's start, at `state` ([`Input`] states at which instant each of its numbers holds). The controller does not see
-/// how the drive changes between these instants, so end a step where the drive jumps.
+/// step's start, at `state` ([`SiteInput`] states at which instant each of its numbers holds). The controller does not
+/// see how the drive changes between these instants, so end a step where the drive jumps.
 ///
 /// `settings.step` is not used. The Newton tolerance is at most a hundredth of the accuracy's tolerance. Use theta =
 /// 1/2: with a larger theta the scheme is of first order, and steps are shorter.
@@ -136,7 +136,7 @@ pub fn controlled_step<T: Scalar, const B: usize, const Z: usize, const N: usize
     accuracy: &Accuracy<T>,
     controller: &mut Controller<T, Z>,
     limit: T,
-    mut input: impl FnMut(T, T, &State<T, B, Z>) -> Input<T>,
+    mut input: impl FnMut(T, T, &State<T, B, Z>) -> SiteInput<T>,
     state: &mut State<T, B, Z>,
     halves: &mut StepDoubling<T, B, Z, N>,
 ) -> ControlledStep<T> {
@@ -147,7 +147,7 @@ pub fn controlled_step<T: Scalar, const B: usize, const Z: usize, const N: usize
     let tolerance = newton.max(T::from_f64(64.0) * T::EPSILON);
     let settings = Settings { tolerance: tolerance.min(settings.tolerance), ..*settings };
     let mut report = ControlledStep {
-        outcome: Outcome::Converged,
+        outcome: StepOutcome::Converged,
         step: first,
         error: T::ZERO,
         extrapolated: false,
@@ -165,7 +165,7 @@ pub fn controlled_step<T: Scalar, const B: usize, const Z: usize, const N: usize
             Changes::find(model, settings.solver_tolerance, controller, state, halves)
         };
         report.error = error(accuracy, &changes, halves);
-        let sound = report.outcome == Outcome::Converged && report.error.finite();
+        let sound = report.outcome == StepOutcome::Converged && report.error.finite();
         if (sound && report.error <= T::ONE) || h <= accuracy.smallest {
             break changes;
         }
@@ -180,7 +180,7 @@ pub fn controlled_step<T: Scalar, const B: usize, const Z: usize, const N: usize
         }
         .max(accuracy.smallest.min(limit));
     };
-    if matches!(report.outcome, Outcome::NonFinite | Outcome::TooManyLaws) {
+    if matches!(report.outcome, StepOutcome::NonFinite | StepOutcome::TooManyLaws) {
         return report;
     }
     let second = halves.joints(model, state)[1];
@@ -205,7 +205,7 @@ fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,
     settings: &Settings<T>,
     controller: &Controller<T, Z>,
-    input: &mut impl FnMut(T, T, &State<T, B, Z>) -> Input<T>,
+    input: &mut impl FnMut(T, T, &State<T, B, Z>) -> SiteInput<T>,
     state: &State<T, B, Z>,
     halves: &mut StepDoubling<T, B, Z, N>,
     report: &mut ControlledStep<T>,
@@ -213,7 +213,7 @@ fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     let StepDoubling { settings: own, middle, workspace: [first, second], end, whole } = halves;
     let h = report.step;
     *own = Settings { step: T::from_f64(0.5) * h, ..*settings };
-    let mut worst = Outcome::Converged;
+    let mut worst = StepOutcome::Converged;
     // From what the inner step before left: its length, and the slips along its rows.
     let mut go = |settings: &Settings<T>,
                   from: T,
@@ -233,10 +233,10 @@ fn attempt<T: Scalar, const B: usize, const Z: usize, const N: usize>(
         report.newton += did.newton;
         report.solver += did.solver;
         worst = match (worst, did.outcome) {
-            (Outcome::TooManyLaws, _) | (_, Outcome::TooManyLaws) => Outcome::TooManyLaws,
-            (Outcome::NonFinite, _) | (_, Outcome::NonFinite) => Outcome::NonFinite,
-            (Outcome::IterationLimit, _) | (_, Outcome::IterationLimit) => Outcome::IterationLimit,
-            _ => Outcome::Converged,
+            (StepOutcome::TooManyLaws, _) | (_, StepOutcome::TooManyLaws) => StepOutcome::TooManyLaws,
+            (StepOutcome::NonFinite, _) | (_, StepOutcome::NonFinite) => StepOutcome::NonFinite,
+            (StepOutcome::IterationLimit, _) | (_, StepOutcome::IterationLimit) => StepOutcome::IterationLimit,
+            _ => StepOutcome::Converged,
         };
     };
     whole.clone_from(state);

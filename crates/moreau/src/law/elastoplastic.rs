@@ -7,7 +7,7 @@ use super::hook::{Law, Memory, Pressing};
 use super::number::{DAMPING, LAW_NUMBERS, LawNumber, Range};
 use super::rate_part::Form;
 use super::set_valued::ETA;
-use super::slider::{Slider, bend, held, press, recall, sharper};
+use super::slider::{Slider, curvature, effective_exponent, load_state, press, stored_energy};
 use super::spring::{Curvature, Pressed, Spring};
 use crate::real::Real;
 
@@ -51,7 +51,7 @@ impl<T: Real> Law<T> for Elastoplastic<T> {
         Elastoplastic { damping, eta, slip }
     }
 
-    fn form(&self) -> Form<T> {
+    fn rate_part(&self) -> Form<T> {
         Form::Square(self.damping)
     }
 
@@ -59,8 +59,8 @@ impl<T: Real> Law<T> for Elastoplastic<T> {
         T::ONE + self.eta
     }
 
-    fn sharper(&self, exponent: T) -> T {
-        sharper(&self.sliders(), exponent)
+    fn effective_exponent(&self, exponent: T) -> T {
+        effective_exponent(&self.sliders(), exponent)
     }
 
     #[inline(always)]
@@ -69,17 +69,17 @@ impl<T: Real> Law<T> for Elastoplastic<T> {
     }
 
     #[inline(always)]
-    fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
-        bend(&self.sliders(), self.damping, spring, pressing, memory)
+    fn curvature(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
+        curvature(&self.sliders(), self.damping, spring, pressing, memory)
     }
 
     #[inline(always)]
-    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
-        recall(&self.sliders(), spring, pressing, memory)
+    fn load_state(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
+        load_state(&self.sliders(), spring, pressing, memory)
     }
 
     #[inline(always)]
-    fn held(&self, spring: &Spring<T>, _: T, memory: &Memory<T>) -> T {
-        held(&self.sliders(), spring, memory)
+    fn stored_energy(&self, spring: &Spring<T>, _: T, memory: &Memory<T>) -> T {
+        stored_energy(&self.sliders(), spring, memory)
     }
 }

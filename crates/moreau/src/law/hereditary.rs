@@ -49,19 +49,19 @@ impl<T: Real> Law<T> for Hereditary<T> {
         T::ONE / (T::ONE - self.relaxed)
     }
 
-    fn sharper(&self, _: T) -> T {
+    fn effective_exponent(&self, _: T) -> T {
         T::from_f64(4.0) / (T::ONE - self.relaxed)
     }
 
     #[inline(always)]
-    fn left_alone(&self, timing: &Timing<T>, memory: &Memory<T>) -> Memory<T> {
+    fn relax(&self, timing: &Timing<T>, memory: &Memory<T>) -> Memory<T> {
         let mut left = [T::ZERO; MEMORY];
         left[0] = forget(decay(timing.step / self.time).left * memory[0]);
         left
     }
 
     #[inline(always)]
-    fn held(&self, spring: &Spring<T>, compression: T, memory: &Memory<T>) -> T {
+    fn stored_energy(&self, spring: &Spring<T>, compression: T, memory: &Memory<T>) -> T {
         let (one, r, memory) = (T::ONE, spring.exponent.value(), memory[0]);
         // The felt's surface is where it pushes with no force, if what pressed it has left it behind. y: the
         // compression with which the memory would be at rest.
@@ -80,12 +80,12 @@ impl<T: Real> Law<T> for Hereditary<T> {
     }
 
     #[inline(always)]
-    fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
+    fn curvature(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
         self.relaxing(spring, pressing, memory).1
     }
 
     #[inline(always)]
-    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
+    fn load_state(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
         let fade = decay(pressing.timing.step / self.time);
         let mut after = [T::ZERO; MEMORY];
         after[0] = forget(self.after(&fade, spring, &pressing.path(), memory[0]));

@@ -31,7 +31,7 @@ pub(crate) trait Law<T: Real>: Copy {
     fn with(numbers: [T; LAW_NUMBERS]) -> Self;
 
     /// The loss that is a function of compression and rate now.
-    fn form(&self) -> Form<T> {
+    fn rate_part(&self) -> Form<T> {
         Form::Square(T::ZERO)
     }
 
@@ -48,7 +48,7 @@ pub(crate) trait Law<T: Real>: Copy {
     }
 
     /// By how much more sharply than the spring k g^r the law may bend, for the exponent r.
-    fn sharper(&self, exponent: T) -> T {
+    fn effective_exponent(&self, exponent: T) -> T {
         let _ = exponent;
         T::ONE
     }
@@ -62,28 +62,28 @@ pub(crate) trait Law<T: Real>: Copy {
 
     /// How the force of [`Law::press`] bends away from its tangent.
     #[inline(always)]
-    fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
+    fn curvature(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
         let _ = (spring, pressing, memory);
         Curvature::nothing()
     }
 
     /// The memory at the step's end.
     #[inline(always)]
-    fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
+    fn load_state(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
         let _ = (spring, pressing, memory);
         [T::ZERO; MEMORY]
     }
 
     /// The memory after a step in which the felt was not touched.
     #[inline(always)]
-    fn left_alone(&self, timing: &Timing<T>, memory: &Memory<T>) -> Memory<T> {
+    fn relax(&self, timing: &Timing<T>, memory: &Memory<T>) -> Memory<T> {
         let _ = (timing, memory);
         [T::ZERO; MEMORY]
     }
 
     /// The energy that the memory holds beyond the spring's k g^(r+1)/(r+1), J.
     #[inline(always)]
-    fn held(&self, spring: &Spring<T>, compression: T, memory: &Memory<T>) -> T {
+    fn stored_energy(&self, spring: &Spring<T>, compression: T, memory: &Memory<T>) -> T {
         let _ = (spring, compression, memory);
         T::ZERO
     }

@@ -27,7 +27,7 @@ impl<T: Real> Law<T> for HuntCrossley<T> {
         HuntCrossley { rate }
     }
 
-    fn form(&self) -> Form<T> {
+    fn rate_part(&self) -> Form<T> {
         Form::Proportional(self.rate)
     }
 }

@@ -93,9 +93,9 @@ macro_rules! laws {
                 }
             }
 
-            pub(crate) fn form(&self) -> Form<T> {
+            pub(crate) fn rate_part(&self) -> Form<T> {
                 match self {
-                    $(Loss::$law(law) => law.form(),)*
+                    $(Loss::$law(law) => law.rate_part(),)*
                 }
             }
 
@@ -111,9 +111,9 @@ macro_rules! laws {
                 }
             }
 
-            pub(crate) fn sharper(&self, exponent: T) -> T {
+            pub(crate) fn effective_exponent(&self, exponent: T) -> T {
                 match self {
-                    $(Loss::$law(law) => law.sharper(exponent),)*
+                    $(Loss::$law(law) => law.effective_exponent(exponent),)*
                 }
             }
 
@@ -125,30 +125,30 @@ macro_rules! laws {
             }
 
             #[inline(always)]
-            pub(crate) fn bend(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
+            pub(crate) fn curvature(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Curvature<T> {
                 match self {
-                    $(Loss::$law(law) => law.bend(spring, pressing, memory),)*
+                    $(Loss::$law(law) => law.curvature(spring, pressing, memory),)*
                 }
             }
 
             #[inline(always)]
-            pub(crate) fn recall(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
+            pub(crate) fn load_state(&self, spring: &Spring<T>, pressing: &Pressing<'_, T>, memory: &Memory<T>) -> Memory<T> {
                 match self {
-                    $(Loss::$law(law) => law.recall(spring, pressing, memory),)*
+                    $(Loss::$law(law) => law.load_state(spring, pressing, memory),)*
                 }
             }
 
             #[inline(always)]
-            pub(crate) fn left_alone(&self, timing: &Timing<T>, memory: &Memory<T>) -> Memory<T> {
+            pub(crate) fn relax(&self, timing: &Timing<T>, memory: &Memory<T>) -> Memory<T> {
                 match self {
-                    $(Loss::$law(law) => law.left_alone(timing, memory),)*
+                    $(Loss::$law(law) => law.relax(timing, memory),)*
                 }
             }
 
             #[inline(always)]
-            pub(crate) fn held(&self, spring: &Spring<T>, compression: T, memory: &Memory<T>) -> T {
+            pub(crate) fn stored_energy(&self, spring: &Spring<T>, compression: T, memory: &Memory<T>) -> T {
                 match self {
-                    $(Loss::$law(law) => law.held(spring, compression, memory),)*
+                    $(Loss::$law(law) => law.stored_energy(spring, compression, memory),)*
                 }
             }
         }
@@ -194,7 +194,7 @@ impl<T: Real> Loss<T> {
 
     /// Viscosity of its rate part at a compression g that the spring resists with k g^r, N s/m.
     pub fn viscous(&self, compression: T, spring_force: T) -> T {
-        match self.form() {
+        match self.rate_part() {
             Form::Square(b) => b * compression * compression,
             Form::Proportional(a) => a * spring_force,
         }

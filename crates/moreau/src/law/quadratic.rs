@@ -23,7 +23,7 @@ impl<T: Real> Law<T> for Quadratic<T> {
         Quadratic { damping }
     }
 
-    fn form(&self) -> Form<T> {
+    fn rate_part(&self) -> Form<T> {
         Form::Square(self.damping)
     }
 }

@@ -11,7 +11,7 @@ use crate::timing::Timing;
 const USUAL_DEPTH: f64 = 1e-3;
 /// m; the quick test bounds Hunt and Crossley's loss up to this compression, several times what the felts of an action
 /// are pressed by. A felt that is pressed deeper is looked at by itself.
-pub(crate) const LARGEST_DEPTH: f64 = 3e-3;
+pub(crate) const MAX_DEPTH: f64 = 3e-3;
 
 /// The loss's form.
 #[derive(Debug, Clone, Copy)]
@@ -60,10 +60,8 @@ impl<T: Real> CurvatureBound<T> {
             (Form::Proportional(a), Exponent::Two) => (a * k, c(FAR)),
             // 1/2 F_gg = 1/2 r (r - 1) a k g^(r - 2) dg/dt and F_gv = r a k g^(r - 1), and g^(r - 2) <= D^(r - 2) for g
             // <= D and r >= 2.
-            (Form::Proportional(a), Exponent::TwoAndHalf) => {
-                (a * k * c(1.875 * libm::sqrt(LARGEST_DEPTH)), c(LARGEST_DEPTH))
-            }
-            (Form::Proportional(a), Exponent::Three) => (a * k * c(3.0 * LARGEST_DEPTH), c(LARGEST_DEPTH)),
+            (Form::Proportional(a), Exponent::TwoAndHalf) => (a * k * c(1.875 * libm::sqrt(MAX_DEPTH)), c(MAX_DEPTH)),
+            (Form::Proportional(a), Exponent::Three) => (a * k * c(3.0 * MAX_DEPTH), c(MAX_DEPTH)),
             (Form::Proportional(_), Exponent::Other(_)) => (T::ZERO, c(FAR)),
         };
         let (stiffness, stiffness_by_depth) = (sharper * k * c(constant), sharper * k * c(by_depth));
@@ -403,7 +401,7 @@ mod tests {
     fn the_curvature_bound_holds() {
         for (form, law) in laws().filter(|(_, law)| !matches!(law.spring.exponent, Exponent::Other(_))) {
             let bound = CurvatureBound::of(&law.spring, form, 1.0);
-            for depth in [1e-5, 1e-4, 1e-3, 0.999 * LARGEST_DEPTH] {
+            for depth in [1e-5, 1e-4, 1e-3, 0.999 * MAX_DEPTH] {
                 for v in [-0.9, 0.0, 0.3, 5.0] {
                     let e = 1e-6 * depth;
                     let (up, down) = (

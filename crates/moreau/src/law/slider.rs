@@ -52,7 +52,7 @@ impl<T: Real> Slider<T> {
 }
 
 /// How much more sharply than the spring a felt with sliders may bend, for the exponent r.
-pub(crate) fn sharper<T: Real>(sliders: &[Slider<T>], r: T) -> T {
+pub(crate) fn effective_exponent<T: Real>(sliders: &[Slider<T>], r: T) -> T {
     let (one, c) = (T::ONE, T::from_f64);
     let mut sum = one;
     for slider in sliders {
@@ -63,7 +63,7 @@ pub(crate) fn sharper<T: Real>(sliders: &[Slider<T>], r: T) -> T {
 
 /// The energy in the sliders' springs, J.
 #[inline(always)]
-pub(crate) fn held<T: Real>(sliders: &[Slider<T>], spring: &Spring<T>, memory: &Memory<T>) -> T {
+pub(crate) fn stored_energy<T: Real>(sliders: &[Slider<T>], spring: &Spring<T>, memory: &Memory<T>) -> T {
     let mut sum = T::ZERO;
     for (slider, e) in sliders.iter().zip(memory) {
         sum = sum.add_product(slider.ratio, *e * *e);
@@ -73,7 +73,7 @@ pub(crate) fn held<T: Real>(sliders: &[Slider<T>], spring: &Spring<T>, memory: &
 
 /// The memory at the step's end, from the memory at its start.
 #[inline(always)]
-pub(crate) fn recall<T: Real>(
+pub(crate) fn load_state<T: Real>(
     sliders: &[Slider<T>],
     spring: &Spring<T>,
     pressing: &Pressing<'_, T>,
@@ -101,7 +101,7 @@ pub(crate) fn press<T: Real>(
 
 /// How that force bends away from its tangent.
 #[inline(always)]
-pub(crate) fn bend<T: Real>(
+pub(crate) fn curvature<T: Real>(
     sliders: &[Slider<T>],
     damping: T,
     spring: &Spring<T>,

@@ -9,13 +9,13 @@ mod switch;
 
 use crate::description::ModelError;
 use crate::dual::Dual;
-use crate::input::Input;
+use crate::input::SiteInput;
 use crate::model::Model;
 use crate::real::Real;
 use crate::saved::SavedState;
 use crate::settings::{FrictionLaw, Settings};
 use crate::state::State;
-use crate::step::{Outcome, step_out_of_line};
+use crate::step::{StepOutcome, step_out_of_line};
 use crate::workspace::Workspace;
 use crossing::Crossing;
 use switch::{Before, Change, LetGo, Slips};
@@ -41,7 +41,7 @@ const ITERATIONS: u32 = 16;
 
 /// Callback that returns the input of an inner step. Arguments: time from the outer step's start to the inner step's
 /// start, s; length of the inner step, s; position of the driven point at that start, m.
-pub type Driven<'a, const D: usize> = dyn FnMut(f64, f64, Dual<D>) -> Input<Dual<D>> + 'a;
+pub type Driven<'a, const D: usize> = dyn FnMut(f64, f64, Dual<D>) -> SiteInput<Dual<D>> + 'a;
 
 /// Callback that receives every [`Switch`].
 pub type Switched<'a> = dyn FnMut(Switch) + 'a;
@@ -201,7 +201,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
     }
 
     /// A step in plain numbers from where it is.
-    fn probe(&mut self, settings: &Settings<f64>, length: f64, drive: &Input<Dual<D>>) -> State<f64, B, Z> {
+    fn probe(&mut self, settings: &Settings<f64>, length: f64, drive: &SiteInput<Dual<D>>) -> State<f64, B, Z> {
         let from = plain(&self.state);
         self.probe_from(&from, self.last, settings, length, drive)
     }
@@ -212,7 +212,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         last: f64,
         settings: &Settings<f64>,
         length: f64,
-        drive: &Input<Dual<D>>,
+        drive: &SiteInput<Dual<D>>,
     ) -> State<f64, B, Z> {
         let mut state = from.clone();
         rescale(&mut state.increment, length, last);
@@ -228,15 +228,15 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
     }
 
     /// A step in dual numbers.
-    fn go(&mut self, settings: &Settings<f64>, length: f64, drive: &Input<Dual<D>>) -> TangentReport {
+    fn go(&mut self, settings: &Settings<f64>, length: f64, drive: &SiteInput<Dual<D>>) -> TangentReport {
         rescale(&mut self.state.increment, Dual::constant(length), Dual::constant(self.last));
         let settings = dual_settings(&Settings { step: length, ..*settings });
         let report = step_out_of_line(&self.model, &settings, drive, &mut self.state, &mut self.workspace);
         self.last = length;
         let sound = self.state.angle.iter().chain(&self.state.velocity).all(Dual::is_finite);
         TangentReport {
-            unconverged: u32::from(report.outcome == Outcome::IterationLimit),
-            failed: !sound || matches!(report.outcome, Outcome::NonFinite | Outcome::TooManyLaws),
+            unconverged: u32::from(report.outcome == StepOutcome::IterationLimit),
+            failed: !sound || matches!(report.outcome, StepOutcome::NonFinite | StepOutcome::TooManyLaws),
             ..TangentReport::default()
         }
     }

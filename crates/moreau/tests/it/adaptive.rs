@@ -2,8 +2,8 @@
 //! problem.
 
 use moreau::{
-    Accuracy, Body, ControlledStep, Controller, Description, Hand, Input, Model, Outcome, Settings, Spring, State,
-    StepDoubling, controlled_step,
+    Accuracy, Body, ControlledStep, Controller, Description, Model, Settings, SiteHand, SiteInput, Spring, State,
+    StepDoubling, StepOutcome, controlled_step,
 };
 
 /// A body of unit inertia on a spring of unit stiffness, with dry friction.
@@ -27,7 +27,7 @@ impl Oscillator {
 
     fn step(&mut self, accuracy: &Accuracy<f64>, limit: f64) -> ControlledStep<f64> {
         let Oscillator { model, state, controller, halves } = self;
-        let free = |_: f64, _: f64, _: &State<f64, 1, 0>| Input::Free;
+        let free = |_: f64, _: f64, _: &State<f64, 1, 0>| SiteInput::Free;
         controlled_step(model, &Settings::new(1e-3), accuracy, controller, limit, free, state, halves)
     }
 }
@@ -69,7 +69,7 @@ fn the_error_of_a_smooth_step_is_the_closed_form() {
             let settings = Settings { theta, ..Settings::new(1e-3) };
             let accuracy = Accuracy::new(tolerance, 1e-9, largest);
             let mut controller = Controller::new(h);
-            let free = |_: f64, _: f64, _: &State<f64, 1, 0>| Input::Free;
+            let free = |_: f64, _: f64, _: &State<f64, 1, 0>| SiteInput::Free;
             let Oscillator { model, state, halves, .. } = &mut o;
             let did = controlled_step(model, &settings, &accuracy, &mut controller, h, free, state, halves);
             let (whole, end) = (rule(h, start), rule(0.5 * h, rule(0.5 * h, start)));
@@ -92,7 +92,7 @@ fn nothing_is_extrapolated_across_a_reversal() {
     while time < 20.0 {
         let before = o.state.velocity[0];
         let did = o.step(&accuracy, 0.37);
-        assert!(did.step <= 0.37 && did.error <= 1.0 && did.outcome == Outcome::Converged, "{did:?}");
+        assert!(did.step <= 0.37 && did.error <= 1.0 && did.outcome == StepOutcome::Converged, "{did:?}");
         let [middle, after] = [o.halves.middle.velocity[0], o.state.velocity[0]];
         let one_side = before * middle > 0.0 && middle * after > 0.0;
         if one_side {
@@ -136,9 +136,9 @@ fn a_state_outlives_an_input_that_is_no_number() {
     let accuracy = Accuracy::new(1e-6, 1e-9, 1e-3);
     let mut controller = Controller::new(1e-4);
     let before = state.clone();
-    let no_number = |_: f64, _: f64, _: &State<f64, 1, 0>| Input::Force(f64::NAN);
+    let no_number = |_: f64, _: f64, _: &State<f64, 1, 0>| SiteInput::Force(f64::NAN);
     let did = controlled_step(&model, &settings, &accuracy, &mut controller, 1e-3, no_number, &mut state, &mut halves);
-    assert_eq!((did.outcome, &state), (Outcome::NonFinite, &before));
+    assert_eq!((did.outcome, &state), (StepOutcome::NonFinite, &before));
 }
 
 /// An attempt that is rejected leaves the hand where it was: the step that follows it has the bits of one that was
@@ -151,13 +151,13 @@ fn a_rejected_step_leaves_the_hand_where_it_was() {
             .compile::<1, 0>()
             .expect("sound");
     let (settings, accuracy) = (Settings::new(1e-3), Accuracy::new(1e-4, 1e-9, 1.0));
-    let hand = Hand { mass: 0.2, force: 3.0, stiffness: 0.0, damping: 0.0, position: 0.0, velocity: 0.0 };
+    let hand = SiteHand { mass: 0.2, force: 3.0, stiffness: 0.0, damping: 0.0, position: 0.0, velocity: 0.0 };
     let go = |first: f64| {
         let mut state = State::at_rest([0.0]);
         state.hand = [0.0, 0.5];
         let mut halves = StepDoubling::<f64, 1, 0, 2>::new(&settings);
         let mut controller = Controller::new(first);
-        let drive = |_: f64, _: f64, _: &State<f64, 1, 0>| Input::Hand(hand);
+        let drive = |_: f64, _: f64, _: &State<f64, 1, 0>| SiteInput::Hand(hand);
         let did = controlled_step(&model, &settings, &accuracy, &mut controller, 1.0, drive, &mut state, &mut halves);
         (did, state)
     };
@@ -185,7 +185,7 @@ fn the_drive_is_asked_at_the_right_instants() {
     while time < 0.1 {
         let t0 = time;
         // Small enough that the lever arm's cosine is one to 1e-16.
-        let force = |from: f64, h: f64, _: &State<f64, 1, 0>| Input::Force(1e-6 * (t0 + from + 0.5 * h));
+        let force = |from: f64, h: f64, _: &State<f64, 1, 0>| SiteInput::Force(1e-6 * (t0 + from + 0.5 * h));
         let did =
             controlled_step(&model, &settings, &accuracy, &mut controller, 0.1 - time, force, &mut state, &mut halves);
         time += did.step;

@@ -2,7 +2,9 @@
 
 use moreau::osnsp::delassus::OneStepProblem;
 use moreau::osnsp::relay::solve_dense;
-use moreau::{Body, Description, GROUND, Input, Model, Outcome, Settings, Site, Solver, State, Workspace, step};
+use moreau::{
+    Body, Description, GROUND, Model, Settings, Site, SiteInput, Solver, State, StepOutcome, Workspace, step,
+};
 
 const RATE: f64 = 0.7;
 
@@ -27,9 +29,9 @@ fn a_rigid_drive_moves_what_sticks() {
         let mut state = State::at_rest([0.0; 2]);
         let mut workspace = Workspace::<f64, 2, 0, 3>::new();
         for n in 0..100 {
-            let input = Input::Rigid { velocity: sign * 0.2 * RATE };
+            let input = SiteInput::Rigid { velocity: sign * 0.2 * RATE };
             let report = step(&model, &settings, &input, &mut state, &mut workspace);
-            assert_eq!(report.outcome, Outcome::Converged, "step {n}");
+            assert_eq!(report.outcome, StepOutcome::Converged, "step {n}");
             let [a, b] = state.velocity;
             let tip = 0.1 * a * state.angle[0].cos() + 0.1 * b * state.angle[1].cos();
             // The row is taken half a step before: its cosine is off by angle x rate x h/2, below 1e-6, times 0.1 m x

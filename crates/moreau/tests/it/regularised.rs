@@ -1,6 +1,6 @@
 //! The regularised friction law.
 
-use moreau::{Body, Description, FrictionLaw, Input, Outcome, Settings, State, Workspace, step};
+use moreau::{Body, Description, FrictionLaw, Settings, SiteInput, State, StepOutcome, Workspace, step};
 
 /// Kept for comparison, the law is at least solved: every step satisfies J (w1 - w0) = -h c_d tanh(w_theta / width) to
 /// the Newton tolerance of 1e-5 (1 rad/s + |w|), also where the body comes to rest within a step and tanh is at its
@@ -17,8 +17,8 @@ fn a_regularised_pivot_is_solved() {
         let mut workspace = Workspace::<f64, 1, 0, 1>::new();
         for _ in 0..20 {
             let w0 = state.velocity[0];
-            let report = step(&model, &settings, &Input::Free, &mut state, &mut workspace);
-            assert_eq!(report.outcome, Outcome::Converged);
+            let report = step(&model, &settings, &SiteInput::Free, &mut state, &mut workspace);
+            assert_eq!(report.outcome, StepOutcome::Converged);
             let w1 = state.velocity[0];
             let friction = (((1.0 - theta) * w0 + theta * w1) / 0.1).tanh();
             // The slope of the residual is 1 + h theta c_d / width, 4 at most.

@@ -2,8 +2,8 @@
 //! stick, and sets off something else.
 
 use moreau::{
-    Body, Curve, Description, Dual, Exponent, Felt, GROUND, Input, Loss, Model, Real, Scalar, Settings, Spring, State,
-    Tangent, TangentReport, Workspace, Zone, step,
+    Body, ContactCurve, Description, Dual, Exponent, Felt, GROUND, Loss, Model, Real, Scalar, Settings, SiteInput,
+    Spring, State, Tangent, TangentReport, Workspace, Zone, step,
 };
 
 type D2 = Dual<2>;
@@ -61,7 +61,7 @@ fn run<const B: usize, const N: usize>(
     tangent.state.velocity = velocity;
     let (settings, mut all) = (Settings::new(h), TangentReport::default());
     for _ in 0..steps {
-        all = all.and(tangent.step(&settings, &mut |_, _, _| Input::Free, &mut |_| {}));
+        all = all.and(tangent.step(&settings, &mut |_, _, _| SiteInput::Free, &mut |_| {}));
     }
     (tangent.state, all)
 }
@@ -97,7 +97,7 @@ fn a_reversal_changes_the_derivative() {
         let settings = dual(&Settings::new(h));
         let mut workspace = Workspace::<D2, 1, 0, 1>::for_model(&model).unwrap();
         for _ in 0..steps {
-            step(&model, &settings, &Input::Free, &mut fixed, &mut workspace);
+            step(&model, &settings, &SiteInput::Free, &mut fixed, &mut workspace);
         }
         let wrong = fixed.velocity[0].slope[0];
         assert!((wrong - expected).abs() > 0.05, "{h} {wrong}");
@@ -197,7 +197,7 @@ fn table<T: Scalar>(friction: T) -> Touching<T> {
     let arm = Body { inertia: t(0.05), pivot: [t(-0.5), t(1.3)], ..Body::inert() };
     let steady = |body, torque| Spring { body, torque: t(torque), stiffness: T::ZERO, reference: T::ZERO };
     let felt = Felt { stiffness: t(4e5), exponent: Exponent::Two, loss: Loss::quadratic(T::ZERO) };
-    let surface = Curve::Line { point: [T::ZERO, t(1.0)], normal: [T::ZERO, t(1.0)] };
+    let surface = ContactCurve::Line { point: [T::ZERO, t(1.0)], normal: [T::ZERO, t(1.0)] };
     let zone = Zone {
         disc_body: 1,
         center: [t(0.5), t(-0.1)],
@@ -223,7 +223,7 @@ fn a_reversal_in_a_contact_that_turns_is_no_stick() {
         state.velocity = [-v0, 0.0];
         let mut workspace = Workspace::<f64, 2, 1, 3>::for_model(&model).unwrap();
         for _ in 0..(END / h).round() as usize {
-            step(&model, &Settings::new(h), &Input::Free, &mut state, &mut workspace);
+            step(&model, &Settings::new(h), &SiteInput::Free, &mut state, &mut workspace);
         }
         state.velocity[0]
     };
@@ -250,7 +250,7 @@ fn a_reversal_in_a_contact_that_turns_is_no_stick() {
         tangent.state.velocity[0] = Dual { value: -v0, slope: [-1.0, 0.0] };
         let mut all = TangentReport::default();
         for _ in 0..(END / h).round() as usize {
-            all = all.and(tangent.step(&Settings::new(h), &mut |_, _, _| Input::Free, &mut |_| {}));
+            all = all.and(tangent.step(&Settings::new(h), &mut |_, _, _| SiteInput::Free, &mut |_| {}));
         }
         let slope = tangent.state.velocity[0].slope;
         assert!(!all.failed && all.switches > 0, "{h} {all:?}");

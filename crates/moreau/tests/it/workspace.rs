@@ -1,7 +1,8 @@
 //! Working memory holds nothing that a later step depends on.
 
 use moreau::{
-    Body, Curve, Description, Exponent, Felt, GROUND, Input, Loss, Model, Settings, Site, State, Workspace, Zone, step,
+    Body, ContactCurve, Description, Exponent, Felt, GROUND, Loss, Model, Settings, Site, SiteInput, State, Workspace,
+    Zone, step,
 };
 
 /// Three levers that swing down onto felts with friction, the first one driven at its tip: hinged on the ground each,
@@ -32,7 +33,7 @@ fn levers(parents: [usize; 3]) -> Model<f64, 3, 3> {
         center: [0.09, 0.0],
         radius: 0.005,
         curve_body: GROUND,
-        curve: Curve::Line { point: [pivot_x(i) + 0.09, -0.006 - 0.002 * i as f64], normal: [0.0, 1.0] },
+        curve: ContactCurve::Line { point: [pivot_x(i) + 0.09, -0.006 - 0.002 * i as f64], normal: [0.0, 1.0] },
         felt: Felt { stiffness: 1e6, exponent: Exponent::Two, loss: Loss::quadratic(1e5) },
         friction: Some(0.3),
     };
@@ -63,7 +64,7 @@ fn mechanisms_may_share_working_memory() {
     let mut touched = [0; 4];
     for n in 0..4000 {
         // Down, held, and let go of.
-        let input = if n < 2400 { Input::Force(0.3) } else { Input::Force(-0.2) };
+        let input = if n < 2400 { SiteInput::Force(0.3) } else { SiteInput::Force(-0.2) };
         for (m, model) in models.iter().enumerate() {
             let (state, own) = &mut alone[m];
             let (a, b) = (

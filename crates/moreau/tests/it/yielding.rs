@@ -1,8 +1,8 @@
 //! Zones whose curves yield, against answers that are not this engine's.
 
 use moreau::{
-    Body, COUPLED, Curve, Description, Exponent, Felt, GROUND, Hereditary, Input, Ledger, Loss, Model, ModelError,
-    Outcome, SetValued, Settings, State, Surface, Workspace, Yields, Zone, step,
+    Body, COUPLED, ContactCurve, Description, Exponent, Felt, GROUND, Hereditary, Ledger, Loss, Model, ModelError,
+    SetValued, Settings, SiteInput, State, StepOutcome, Surface, Workspace, Yields, Zone, step,
 };
 
 /// kg; on an arm of 1 m.
@@ -18,7 +18,7 @@ type One = (Model<f64, 1, 1>, State<f64, 1, 1>, Workspace<f64, 1, 1, 2>);
 /// A mass at the end of a long arm, flying upward against a felt under a line.
 fn thrown(felt: Felt<f64>, yields: &[Yields<f64>], gravity: f64) -> One {
     let bodies = [Body { mass: MASS, center_of_mass: [1.0, 0.0], inertia: MASS, ..Body::inert() }];
-    let curve = Curve::Line { point: [0.0, 0.0], normal: [0.0, -1.0] };
+    let curve = ContactCurve::Line { point: [0.0, 0.0], normal: [0.0, -1.0] };
     let zone = Zone { disc_body: 0, center: [1.0, 0.0], radius: 0.0, curve_body: GROUND, curve, felt, friction: None };
     let description = Description { bodies: &bodies, zones: &[zone], yields, gravity, ..Description::default() };
     let model = description.compile().unwrap();
@@ -41,7 +41,10 @@ fn against_a_dashpot(h: f64, at: f64) -> f64 {
     while t < 3e-3 {
         let surface = Surface { displacement: place, free: place, compliance: h / DAMPER };
         workspace.set_surface(&settings, 0, &surface);
-        assert_eq!(step(&model, &settings, &Input::Free, &mut state, &mut workspace).outcome, Outcome::Converged);
+        assert_eq!(
+            step(&model, &settings, &SiteInput::Free, &mut state, &mut workspace).outcome,
+            StepOutcome::Converged
+        );
         let force = workspace.normal_force(&model, &settings, 0);
         place += h * force / DAMPER;
         // Forces belong to the middles of their steps.
@@ -86,7 +89,7 @@ fn what_does_not_yield_stands_still() {
         let [yielding, still] = [&YIELDS[..], &[]].map(|yields| {
             let (model, mut state, mut workspace) = thrown(felt, yields, 0.0);
             for _ in 0..100 {
-                step(&model, &settings, &Input::Free, &mut state, &mut workspace);
+                step(&model, &settings, &SiteInput::Free, &mut state, &mut workspace);
             }
             state.velocity[0]
         });
@@ -112,7 +115,7 @@ fn nothing_is_won_between_felt_and_surface() {
             let compliance = (1.0 - c) / (modal_mass * omega * omega);
             workspace.set_surface(&settings, 0, &Surface { displacement: q, free, compliance });
             let before = state.clone();
-            step(&model, &settings, &Input::Free, &mut state, &mut workspace);
+            step(&model, &settings, &SiteInput::Free, &mut state, &mut workspace);
             ledger.record(&model, &settings, &before, &state, &workspace);
             let rest = workspace.normal_force(&model, &settings, 0) / (modal_mass * omega * omega);
             (q, v) = (rest + (q - rest) * c + v * s / omega, v * c - (q - rest) * omega * s);
@@ -130,7 +133,7 @@ type Two = (Model<f64, 2, 2>, State<f64, 2, 2>, Workspace<f64, 2, 2, 4>);
 /// Two masses at the ends of long arms, flying upward at given speeds against felts under a line.
 fn two_thrown(masses: [f64; 2], speeds: [f64; 2], felt: Felt<f64>, gravity: f64) -> Two {
     let bodies = masses.map(|mass| Body { mass, center_of_mass: [1.0, 0.0], inertia: mass, ..Body::inert() });
-    let curve = Curve::Line { point: [0.0, 0.0], normal: [0.0, -1.0] };
+    let curve = ContactCurve::Line { point: [0.0, 0.0], normal: [0.0, -1.0] };
     let zone = |body| Zone {
         disc_body: body,
         center: [1.0, 0.0],
@@ -164,7 +167,7 @@ fn two_that_strike_together_are_one_on_what_yields_to_both() {
             .map(|_| {
                 let surface = Surface { displacement: place, free: place, compliance: own + other };
                 workspace.set_surface(&settings, 0, &surface);
-                step(&model, &settings, &Input::Free, &mut state, &mut workspace);
+                step(&model, &settings, &SiteInput::Free, &mut state, &mut workspace);
                 let force = workspace.normal_force(&model, &settings, 0);
                 place += (own + other) * force;
                 force
@@ -180,7 +183,10 @@ fn two_that_strike_together_are_one_on_what_yields_to_both() {
             }
             // A bad guess costs rounds and nothing else.
             workspace.set_coupled_surfaces(&settings, &[0, 1], &compliance, &[3.0, 0.0, 0.0, 0.0]);
-            assert_eq!(step(&model, &settings, &Input::Free, &mut state, &mut workspace).outcome, Outcome::Converged);
+            assert_eq!(
+                step(&model, &settings, &SiteInput::Free, &mut state, &mut workspace).outcome,
+                StepOutcome::Converged
+            );
             workspace.settle_surfaces(&model, &settings);
             let forces = [0, 1].map(|zone| workspace.normal_force(&model, &settings, zone));
             for (force, zone) in forces.iter().zip([0, 1]) {
@@ -219,7 +225,7 @@ fn nothing_is_won_where_two_press_one_thing() {
             }
             workspace.set_coupled_surfaces(&settings, &[0, 1], &compliance, &forces);
             let before = state.clone();
-            step(&model, &settings, &Input::Free, &mut state, &mut workspace);
+            step(&model, &settings, &SiteInput::Free, &mut state, &mut workspace);
             workspace.settle_surfaces(&model, &settings);
             ledger.record(&model, &settings, &before, &state, &workspace);
             for zone in [0, 1] {
@@ -248,7 +254,7 @@ fn wrong_surfaces_are_told() {
         center: [1.0, 0.0],
         radius: 0.0,
         curve_body: GROUND,
-        curve: Curve::Line { point: [0.0; 2], normal: [0.0, 1.0] },
+        curve: ContactCurve::Line { point: [0.0; 2], normal: [0.0, 1.0] },
         felt,
         friction: None,
     };

@@ -4,8 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 use std::hint::black_box;
 
 use moreau::{
-    Body, Curve, Description, Exponent, Felt, GROUND, Input, Loss, Model, Outcome, Settings, Site, State, Workspace,
-    Zone, step,
+    Body, ContactCurve, Description, Exponent, Felt, GROUND, Loss, Model, Settings, Site, SiteInput, State,
+    StepOutcome, Workspace, Zone, step,
 };
 
 /// How near the stops are.
@@ -79,7 +79,7 @@ fn levers<const B: usize, const Z: usize>(
                 center: [along, 0.0],
                 radius: RADIUS_M,
                 curve_body: GROUND,
-                curve: Curve::Line { point: [side * off_m, 0.0], normal: [-side, 0.0] },
+                curve: ContactCurve::Line { point: [side * off_m, 0.0], normal: [-side, 0.0] },
                 felt: Felt { stiffness: 1e8, exponent: Exponent::Two, loss: Loss::quadratic(1e8) },
                 friction: (z % 4 == 3).then_some(0.3),
             }
@@ -111,8 +111,8 @@ fn play<const B: usize, const Z: usize, const N: usize>(
     let (settings, mut workspace) = (Settings::new(50e-6), Workspace::<f64, B, Z, N>::new());
     for n in 0..steps {
         let force = if n / 400 % 2 == 0 { 2.0 } else { -2.0 };
-        let report = step(&model, &settings, &Input::Force(force), &mut state, &mut workspace);
-        assert_ne!(report.outcome, Outcome::NonFinite);
+        let report = step(&model, &settings, &SiteInput::Force(force), &mut state, &mut workspace);
+        assert_ne!(report.outcome, StepOutcome::NonFinite);
     }
     black_box(state);
 }

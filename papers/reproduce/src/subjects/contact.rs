@@ -73,7 +73,7 @@ fn thrown(instrument: &Instrument, speed_m_per_s: f64) -> Result<(f64, Contact),
     }
     let (mut series, mut struck) = (Vec::new(), None);
     for _ in 0..5000 {
-        action.mechanism_mut().step_in_parts(&mut |_, _, _| moreau::Input::Free, &mut |m, _| {
+        action.mechanism_mut().step_in_parts(&mut |_, _, _| moreau::SiteInput::Free, &mut |m, _| {
             let now = m.readout();
             struck = struck.or(now.output.impact);
             series.push([now.now_s, now.output.zone_n]);
@@ -92,7 +92,7 @@ fn alone(head: &Instrument, speed_m_per_s: f64) -> Result<Contact, ReproduceErro
     let mut m = head::thrown(head, HEAD_STEP_S, speed_m_per_s)?;
     let mut series = vec![[0.0, 0.0]];
     for n in 1..=(FOLLOWED_S / HEAD_STEP_S) as usize {
-        m.step(&moreau::Input::Free);
+        m.step(&moreau::SiteInput::Free);
         series.push([n as f64 * HEAD_STEP_S, m.normal_force(0)]);
     }
     Contact::of(&series).ok_or_else(|| wrong("the head does not touch the string"))

@@ -6,7 +6,7 @@ use moreau::Settings;
 use super::impact::tell;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending};
 use erard::instrument::Instrument;
-use erard::level::{HOLD_N, Kind, LevelError, Reference};
+use erard::level::{HOLD_N, HandKind, LevelError, Reference};
 use erard::run::{Run, Setup, SimulationError, press_by_hand};
 use erard::stroke::{RISE_S, Touch};
 
@@ -61,7 +61,7 @@ impl Touched {
 fn played(
     instrument: &Instrument,
     reference: &mut Reference,
-    kind: Kind,
+    kind: HandKind,
     speed_m_per_s: f64,
 ) -> Result<Option<Touched>, ReproduceError> {
     let solved = match reference.solve(kind, speed_m_per_s, &mut |_| true) {
@@ -74,7 +74,7 @@ fn played(
     Ok(Some(Touched::of(solved.louder, &run?)))
 }
 
-fn name(kind: Kind) -> String {
+fn name(kind: HandKind) -> String {
     format!("{}, {:.0} g", kind.touch.name(), kind.mass_kg * 1e3)
 }
 
@@ -168,8 +168,8 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
     let labels = ["key start to hammer (ms)", "hammer before key bottom (ms)"];
     let mut curves: [Vec<ChartCurve>; 2] = [Vec::new(), Vec::new()];
     let touches = [Touch::Pressed, Touch::Struck];
-    let kinds = touches.into_iter().flat_map(|touch| MASSES_KG.map(|mass_kg| Kind { touch, mass_kg }));
-    let mut all: Vec<(Kind, Vec<Touched>)> = Vec::new();
+    let kinds = touches.into_iter().flat_map(|touch| MASSES_KG.map(|mass_kg| HandKind { touch, mass_kg }));
+    let mut all: Vec<(HandKind, Vec<Touched>)> = Vec::new();
     for (k, kind) in kinds.enumerate() {
         let mut steps = Vec::new();
         for n in 0..STEPS {
@@ -226,7 +226,7 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
 }
 
 /// Table of travel times of all hands at the speeds of the levels.
-fn compared(all: &[(Kind, Vec<Touched>)]) -> Table {
+fn compared(all: &[(HandKind, Vec<Touched>)]) -> Table {
     let mut table = Table::new(
         "Travel time from key start to the string, ms; published: 20 to some 200, struck about 20 sooner at mf",
         &["hammer (m/s)", "hand (g)", "pressed", "struck", "struck sooner by"],
@@ -234,7 +234,7 @@ fn compared(all: &[(Kind, Vec<Touched>)]) -> Table {
     for speed_m_per_s in COMPARED_M_PER_S {
         for mass_kg in MASSES_KG {
             let of = |touch: Touch| {
-                let (_, steps) = all.iter().find(|(kind, _)| *kind == Kind { touch, mass_kg })?;
+                let (_, steps) = all.iter().find(|(kind, _)| *kind == HandKind { touch, mass_kg })?;
                 travel_at(steps, speed_m_per_s)
             };
             let [pressed, struck] = [Touch::Pressed, Touch::Struck].map(of);

@@ -8,7 +8,7 @@ use moreau::Settings;
 use super::impact::{NEIGHBOURS, halvings, neighbouring, tell};
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
-use erard::level::{Kind, LEVELS, LevelError, MASS_KG, Reference};
+use erard::level::{HandKind, LEVELS, LevelError, MASS_KG, Reference};
 use erard::run::{Events, Run, Setup, SimulationError, press_by_hand};
 use erard::stroke::{HandStroke, Muscle, Touch};
 
@@ -87,7 +87,7 @@ impl Played {
 fn levels(instrument: &Instrument) -> Result<Vec<Played>, ReproduceError> {
     let failed = |error: LevelError| ReproduceError::Instrument(error.to_string());
     let mut reference = Reference::new(instrument, &mut |_| true).map_err(failed)?;
-    let kind = Kind { touch: Touch::Pressed, mass_kg: MASS_KG };
+    let kind = HandKind { touch: Touch::Pressed, mass_kg: MASS_KG };
     PLAYED
         .into_iter()
         .map(|level| {

@@ -1,7 +1,8 @@
 //! [T13]'s felt law, equilibrium under friction, the finger's softness and the run time.
 
 use moreau::{
-    Body, Curve, Description, FrictionLaw, GROUND, Input, Pose, Settings, Solver, State, Workspace, Zone, step,
+    Body, ContactCurve, Description, FrictionLaw, GROUND, Pose, Settings, SiteInput, Solver, State, Workspace, Zone,
+    step,
 };
 
 use super::convergence::WIDTHS;
@@ -90,7 +91,7 @@ fn throw(felt: erard::instrument::Felt, speed: f64) -> Result<Hit, ReproduceErro
         center: [0.0, -ARM_M],
         radius: 0.0,
         curve_body: GROUND,
-        curve: Curve::Line { point: [0.0, 0.0], normal: [-1.0, 0.0] },
+        curve: ContactCurve::Line { point: [0.0, 0.0], normal: [-1.0, 0.0] },
         felt: erard::assembly::felt(&felt),
         friction: None,
     };
@@ -103,7 +104,7 @@ fn throw(felt: erard::instrument::Felt, speed: f64) -> Result<Hit, ReproduceErro
     let (mut compression, mut force) = (vec![0.0], vec![0.0]);
     for _ in 0..50_000 {
         let before = Pose::of(&model, &state.angle).compression(&model, 0);
-        step(&model, &settings, &Input::Free, &mut state, &mut workspace);
+        step(&model, &settings, &SiteInput::Free, &mut state, &mut workspace);
         let after = Pose::of(&model, &state.angle).compression(&model, 0);
         // The step's force belongs to its middle.
         compression.push(0.5 * (before + after));

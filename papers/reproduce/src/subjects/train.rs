@@ -15,7 +15,7 @@ use erard::stroke::{Columns, Prescribed, Recording, Series};
 use erard_workshop::compare::{Choice, Which, compare_chosen};
 use erard_workshop::distances::{self, Protocol};
 use erard_workshop::regulate::{Goal, Specification, Status, regulate};
-use erard_workshop::validate::{Published, Row, Verdict, loudness};
+use erard_workshop::validate::{Published, PublishedRow, Verdict, loudness};
 
 /// Felts of the train between key and hammer.
 const TRAIN: [&str; 3] = ["capstan_heel", "jack_knuckle", "lever_knuckle"];
@@ -171,8 +171,8 @@ impl Found {
     }
 
     /// Number of rows met.
-    fn met(&self, rows: &[&Row]) -> usize {
-        let met = |row: &Row, value: Option<f64>| matches!(row.judge(value), Verdict::Met { .. });
+    fn met(&self, rows: &[&PublishedRow]) -> usize {
+        let met = |row: &PublishedRow, value: Option<f64>| matches!(row.judge(value), Verdict::Met { .. });
         rows.iter().zip(self.order).filter(|(row, value)| met(row, *value)).count()
     }
 }
@@ -203,7 +203,8 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         found.push(one.map_err(|error| if ended { SimulationError::Interrupted.into() } else { error })?);
     }
     let published = Published::builtin();
-    let rows: Vec<&Row> = ORDER.iter().filter_map(|name| published.rows.iter().find(|row| row.name == *name)).collect();
+    let rows: Vec<&PublishedRow> =
+        ORDER.iter().filter_map(|name| published.rows.iter().find(|row| row.name == *name)).collect();
     Ok(Section {
         text: vec![format!(
             "Stiffness under load of heel and both knuckles, over the start set's; the built-in grand has {BUILT_IN}. For \
@@ -234,11 +235,11 @@ fn beside_the_recorded(found: &[Found]) -> Table {
     table
 }
 
-fn order_of_events(found: &[Found], rows: &[&Row]) -> Table {
+fn order_of_events(found: &[Found], rows: &[&PublishedRow]) -> Table {
     let mut header = vec!["stiffness under load"];
     header.extend(["f (ms)", "ff (ms)", "loudest (ms)", "come together at (m/s)"]);
     let mut table = Table::new("Hammer before key bottom under hands that press", &header);
-    let range = |row: &&Row| match (row.at_least, row.at_most) {
+    let range = |row: &&PublishedRow| match (row.at_least, row.at_most) {
         (Some(low), Some(high)) => format!("{low} to {high}"),
         _ => row.range(),
     };
@@ -250,7 +251,7 @@ fn order_of_events(found: &[Found], rows: &[&Row]) -> Table {
     table
 }
 
-fn claims(found: &[Found], rows: &[&Row]) -> Vec<Claim> {
+fn claims(found: &[Found], rows: &[&PublishedRow]) -> Vec<Claim> {
     let (stiff, lossy) = found.split_at(SHARES.len());
     let best = |chooses: bool| {
         let best = stiff.iter().min_by(|a, b| a.late_s(chooses).total_cmp(&b.late_s(chooses)));

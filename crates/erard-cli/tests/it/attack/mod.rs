@@ -25,7 +25,7 @@ const TO_END: Duration = Duration::from_secs(20);
 /// Address space of a command, KiB.
 const ROOM_KIB: u32 = 3 << 20;
 /// Longest message on standard error, in bytes.
-const MOST_SAID: usize = 20_000;
+const MAX_SAID: usize = 20_000;
 
 #[test]
 fn nothing_is_lost() {
@@ -157,7 +157,7 @@ fn said_well(line: &Line, ended: &Ended, faults: &mut Vec<String>) {
     if code != 0 && !ended.wrong.contains("error: ") {
         faults.push(format!("exit code {code} and no word why: {}", ended.wrong));
     }
-    if ended.wrong.len() > MOST_SAID {
+    if ended.wrong.len() > MAX_SAID {
         faults.push(format!("{} bytes of messages", ended.wrong.len()));
     }
     if !line.wants_json() || line.asks_for_help() {

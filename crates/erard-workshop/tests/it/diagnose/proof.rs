@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use erard::instrument::{Instrument, InstrumentFile};
 use erard_workshop::diagnose::{Diagnosis, Known, Standing, causes, diagnose, entries, inject, injected_amount};
 use erard_workshop::sample::Sampled;
-use erard_workshop::worklist::{Quantity, Readings};
+use erard_workshop::worklist::{ReadingQuantity, Readings};
 
 use crate::worklist::hand::Chance;
 
@@ -29,7 +29,7 @@ pub fn sound_sample(sampled: &Sampled, number: u32) -> Option<Instrument> {
     let text = sampled.text(number, go_on).unwrap();
     let grand = InstrumentFile::parse(&text, GRAND).unwrap().instrument;
     let readings = Readings::of(&grand, go_on).unwrap();
-    Quantity::ALL.into_iter().all(|quantity| !readings.is_out(quantity, KEY)).then_some(grand)
+    ReadingQuantity::ALL.into_iter().all(|quantity| !readings.is_out(quantity, KEY)).then_some(grand)
 }
 
 /// Returns the readings of the truth: each off by up to its precision.

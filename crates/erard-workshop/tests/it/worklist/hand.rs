@@ -1,7 +1,7 @@
 //! A technician who reads with an error, and turns with an error.
 
 use erard::instrument::Instrument;
-use erard_workshop::worklist::{Item, Quantity, Readings, Why, Work, Worklist};
+use erard_workshop::worklist::{Item, ReadingQuantity, Readings, Why, Work, Worklist};
 
 /// Key whose usual ranges hold.
 pub const KEY: usize = 40;
@@ -49,7 +49,7 @@ impl Chance {
 /// Readings of the truth, each off by up to its precision.
 pub fn seen(truth: &Readings, chance: &mut Chance) -> Readings {
     let mut seen = *truth;
-    for quantity in Quantity::ALL {
+    for quantity in ReadingQuantity::ALL {
         seen.set(quantity, truth.get(quantity).map(|value| value + quantity.precision() * chance.either_way()));
     }
     seen
@@ -84,14 +84,15 @@ pub fn by_hand(
         let read = seen(truth, chance);
         let amount = match (&work, item.weighed_g()) {
             (Work::Friction { by_g }, Some([down_g, up_g])) => {
-                let left_g = read.get(Quantity::FrictionWeight).map_or(*by_g, |read| 0.5 * (down_g - up_g) - read);
+                let left_g =
+                    read.get(ReadingQuantity::FrictionWeight).map_or(*by_g, |read| 0.5 * (down_g - up_g) - read);
                 // What is eased too far stays so.
                 if by_g.is_sign_negative() { left_g.min(0.0) } else { left_g.max(0.0) }
             }
             (Work::Leads(leads), Some([down_g, up_g])) if !leads.put.is_empty() => {
                 let mass_g: f64 = leads.put.iter().map(|lead| lead.mass_g).sum();
                 let most_mm = item.room_to_shift_mm(KEY, front_mm).unwrap_or(f64::INFINITY);
-                let wanted_g = read.get(Quantity::BalanceWeight).map(|read| read - 0.5 * (down_g + up_g));
+                let wanted_g = read.get(ReadingQuantity::BalanceWeight).map(|read| read - 0.5 * (down_g + up_g));
                 wanted_g.unwrap_or(work.amount()).min(work.amount() + most_mm * mass_g / front_mm)
             }
             _ => work.amount() + 0.5 * work.step() * chance.either_way(),
@@ -104,20 +105,20 @@ pub fn by_hand(
         }
         works.push(work);
     }
-    Done { works, caught_no_farther: turning.is_back && item.quantity == Quantity::Check }
+    Done { works, caught_no_farther: turning.is_back && item.quantity == ReadingQuantity::Check }
 }
 
 /// Lines with their screws, in the order of work, and whether a larger setting makes the reading larger.
-const SCREWS: [(Quantity, &str, f64); 9] = [
-    (Quantity::Dip, "front_punching", -1.0),
-    (Quantity::Blow, "capstan_height", -1.0),
-    (Quantity::JackPosition, "jack_position", 1.0),
-    (Quantity::LeverHeight, "lever_height", 1.0),
-    (Quantity::LetOff, "let_off", -1.0),
-    (Quantity::Drop, "drop", 1.0),
-    (Quantity::Check, "back_check", -1.0),
-    (Quantity::Spring, "repetition_spring", 1.0),
-    (Quantity::Damper, "damper_timing", -1.0),
+const SCREWS: [(ReadingQuantity, &str, f64); 9] = [
+    (ReadingQuantity::Dip, "front_punching", -1.0),
+    (ReadingQuantity::Blow, "capstan_height", -1.0),
+    (ReadingQuantity::JackPosition, "jack_position", 1.0),
+    (ReadingQuantity::LeverHeight, "lever_height", 1.0),
+    (ReadingQuantity::LetOff, "let_off", -1.0),
+    (ReadingQuantity::Drop, "drop", 1.0),
+    (ReadingQuantity::Check, "back_check", -1.0),
+    (ReadingQuantity::Spring, "repetition_spring", 1.0),
+    (ReadingQuantity::Damper, "damper_timing", -1.0),
 ];
 
 /// Reads the screws' lines once more after the last of them, as the sheet says, and sets what is out of its range: a
@@ -156,7 +157,7 @@ pub fn read_once_more(
                 *truth = Readings::of(piano, go_on).unwrap();
             }
         }
-        if quantity == Quantity::Drop && list.aftertouch_is_decided_by().is_some() {
+        if quantity == ReadingQuantity::Drop && list.aftertouch_is_decided_by().is_some() {
             correct_aftertouch(piano, truth, chance);
         }
     }
@@ -170,26 +171,26 @@ pub fn correct_aftertouch(piano: &mut Instrument, truth: &mut Readings, chance: 
     for _ in 0..TURNS {
         let read = seen(truth, chance);
         let (Some(aftertouch), Some(dip), Some(blow)) =
-            (read.get(Quantity::Aftertouch), read.get(Quantity::Dip), read.get(Quantity::Blow))
+            (read.get(ReadingQuantity::Aftertouch), read.get(ReadingQuantity::Dip), read.get(ReadingQuantity::Blow))
         else {
             return;
         };
-        let range = |quantity: Quantity| quantity.line().range(KEY).map(Option::unwrap);
-        let [low, high] = range(Quantity::Aftertouch);
+        let range = |quantity: ReadingQuantity| quantity.line().range(KEY).map(Option::unwrap);
+        let [low, high] = range(ReadingQuantity::Aftertouch);
         let too_much = (aftertouch - high).max(0.0) - (low - aftertouch).max(0.0);
-        let [shallowest, deepest] = range(Quantity::Dip);
-        let [nearest, farthest] = range(Quantity::Blow);
+        let [shallowest, deepest] = range(ReadingQuantity::Dip);
+        let [nearest, farthest] = range(ReadingQuantity::Blow);
         let (dip_room, blow_room) =
             if too_much > 0.0 { (dip - shallowest, farthest - blow) } else { (deepest - dip, blow - nearest) };
         let paper = Work::Screw { name: "front_punching", by: 0.0 };
         let capstan = Work::Screw { name: "capstan_height", by: 0.0 };
         let paper_mm = 1e3 * paper.step();
         let papers =
-            (too_much.abs() / paper_mm).ceil().min(((dip_room - Quantity::Dip.precision()) / paper_mm).floor());
+            (too_much.abs() / paper_mm).ceil().min(((dip_room - ReadingQuantity::Dip.precision()) / paper_mm).floor());
         let work = if papers > 0.0 {
             let by = (papers.copysign(too_much) + 0.5 * chance.either_way()) * paper.step();
             paper.with_amount(by, 0.0)
-        } else if too_much.abs() > Quantity::Aftertouch.precision() && blow_room > EIGHTH_MM {
+        } else if too_much.abs() > ReadingQuantity::Aftertouch.precision() && blow_room > EIGHTH_MM {
             let by = (-too_much.signum() + 0.5 * chance.either_way()) * capstan.step();
             capstan.with_amount(by, 0.0)
         } else {
@@ -230,8 +231,11 @@ impl<'a> Turning<'a> {
     /// Whole steps; of wires and springs, few.
     fn steps(&self, by: f64) -> Option<Work> {
         let step = self.item.work.step();
-        let most =
-            if [Quantity::Check, Quantity::Spring].contains(&self.item.quantity) { LITTLE } else { f64::INFINITY };
+        let most = if [ReadingQuantity::Check, ReadingQuantity::Spring].contains(&self.item.quantity) {
+            LITTLE
+        } else {
+            f64::INFINITY
+        };
         let steps = (by / step).round().clamp(-most, most);
         (steps != 0.0).then(|| self.item.work.with_amount(steps * step, 0.0))
     }
@@ -257,7 +261,7 @@ impl<'a> Turning<'a> {
             return Some(self.item.work.clone());
         };
         let off = promised - read;
-        let is_set = ![Quantity::Dip, Quantity::Blow].contains(&quantity) && self.is_well_inside(read);
+        let is_set = ![ReadingQuantity::Dip, ReadingQuantity::Blow].contains(&quantity) && self.is_well_inside(read);
         if is_set || off.abs() <= quantity.precision() { None } else { self.steps(off / rate) }
     }
 
@@ -265,7 +269,7 @@ impl<'a> Turning<'a> {
     fn back(&mut self) -> Option<Work> {
         let before = self.item.before.get(self.item.quantity);
         let is_on_its_way =
-            self.item.quantity == Quantity::Check && before.is_none_or(|before| self.promised() < Some(before));
+            self.item.quantity == ReadingQuantity::Check && before.is_none_or(|before| self.promised() < Some(before));
         self.is_back |= !is_on_its_way;
         let on = self.item.work.step().copysign(self.item.work.amount());
         self.steps(if is_on_its_way { on } else { -on })

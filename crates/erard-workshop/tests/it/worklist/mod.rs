@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use erard::instrument::{Instrument, InstrumentFile};
 use erard_workshop::sample::Sampled;
-use erard_workshop::worklist::{Left, Priority, Quantity, Readings, Work, Worklist, worklist};
+use erard_workshop::worklist::{Left, Priority, ReadingQuantity, Readings, Work, Worklist, worklist};
 use hand::KEY;
 use proof::{Course, Tally, course, is_healthy};
 
@@ -40,8 +40,8 @@ fn a_dip_too_deep_gets_paper() {
     let setting = instrument.screws[screw].setting - 0.8e-3;
     assert!(instrument.turn(screw, setting));
     let list = list_of(&instrument);
-    assert!(list.before.is_out(Quantity::Aftertouch, KEY));
-    let paper = list.items.iter().find(|item| item.quantity == Quantity::Dip).unwrap();
+    assert!(list.before.is_out(ReadingQuantity::Aftertouch, KEY));
+    let paper = list.items.iter().find(|item| item.quantity == ReadingQuantity::Dip).unwrap();
     assert!(
         matches!(paper.work, Work::Screw { name: "front_punching", by } if (3e-4..1.2e-3).contains(&by)),
         "{paper:?}"
@@ -49,7 +49,7 @@ fn a_dip_too_deep_gets_paper() {
     assert_eq!(list.left, []);
     assert_lines_can_be_seen(&list);
     let read = Readings::of(&list.copy, &mut |_| true).unwrap();
-    for quantity in Quantity::ALL {
+    for quantity in ReadingQuantity::ALL {
         assert!(!read.is_out(quantity, KEY), "{quantity:?} {:?}", read.get(quantity));
         let [promised, found] = [list.after.get(quantity), read.get(quantity)].map(Option::unwrap);
         assert!((promised - found).abs() < 1e-6, "{quantity:?}: {promised} {found}");
@@ -63,12 +63,12 @@ fn a_dip_too_deep_gets_paper() {
 fn heavy_touch_is_put_right() {
     let heavy = Instrument::builtin("heavy-touch").unwrap();
     let list = list_of(&heavy);
-    assert_eq!(list.items.first().map(|item| item.quantity), Some(Quantity::FrictionWeight));
-    let left: Vec<Quantity> = list.left.iter().map(|left: &Left| left.quantity).collect();
-    assert_eq!(left, [Quantity::FrontWeight], "{:?}", list.left);
+    assert_eq!(list.items.first().map(|item| item.quantity), Some(ReadingQuantity::FrictionWeight));
+    let left: Vec<ReadingQuantity> = list.left.iter().map(|left: &Left| left.quantity).collect();
+    assert_eq!(left, [ReadingQuantity::FrontWeight], "{:?}", list.left);
     assert_lines_can_be_seen(&list);
     let read = Readings::of(&list.copy, &mut |_| true).unwrap();
-    for quantity in Quantity::ALL {
+    for quantity in ReadingQuantity::ALL {
         assert_eq!(read.is_out(quantity, KEY), left.contains(&quantity), "{quantity:?} {:?}", read.get(quantity));
     }
 }

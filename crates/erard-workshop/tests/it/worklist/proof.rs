@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use erard::instrument::Instrument;
 use erard_workshop::balance::Lead;
-use erard_workshop::worklist::{Item, Left, Priority, Quantity, Readings, Why, Work, twin, worklist};
+use erard_workshop::worklist::{Item, Left, Priority, ReadingQuantity, Readings, Why, Work, twin, worklist};
 
 use super::hand::{Chance, KEY, by_hand, correct_aftertouch, read_once_more, seen};
 
@@ -128,7 +128,7 @@ pub fn pass(piano: &mut Instrument, leads: &mut Vec<Lead>, model: &Instrument, c
     let decided = list.aftertouch_is_decided_by();
     for (at, item) in list.items.iter().enumerate() {
         let is_unreadable = |left: &Left| left.quantity == item.quantity && left.why == Why::Unreadable;
-        let can_be_read = !list.left.iter().any(is_unreadable) || item.quantity == Quantity::Check;
+        let can_be_read = !list.left.iter().any(is_unreadable) || item.quantity == ReadingQuantity::Check;
         let done = by_hand(item, can_be_read, piano, &mut truth, front_mm, chance);
         caught_no_farther |= done.caught_no_farther;
         for work in &done.works {
@@ -157,7 +157,7 @@ pub struct Course {
 
 /// Whether all true values are in order.
 pub fn is_healthy(readings: &Readings) -> bool {
-    Quantity::ALL.into_iter().all(|quantity| !readings.is_out(quantity, KEY))
+    ReadingQuantity::ALL.into_iter().all(|quantity| !readings.is_out(quantity, KEY))
 }
 
 /// Puts a healthy piano out of order and works on it twice.
@@ -177,7 +177,7 @@ pub struct Tally {
     /// Lines inside before, after one pass, after two.
     pub inside: [usize; 3],
     /// Lines outside after one pass, and after two, by quantity.
-    pub outside: BTreeMap<Quantity, [usize; 2]>,
+    pub outside: BTreeMap<ReadingQuantity, [usize; 2]>,
     /// Outside after two passes, with a reason stated or read as inside.
     pub with_reason: usize,
     /// Outside after two passes without a reason.
@@ -190,7 +190,7 @@ impl Tally {
     pub fn add(&mut self, number: u32, course: &Course) {
         self.pianos += 1;
         let truths = [&course.before, &course.passes[0].truth, &course.passes[1].truth];
-        for quantity in Quantity::ALL {
+        for quantity in ReadingQuantity::ALL {
             self.lines += 1;
             for (count, truth) in self.inside.iter_mut().zip(truths) {
                 *count += usize::from(!truth.is_out(quantity, KEY));
@@ -218,7 +218,7 @@ impl Tally {
             if last.truth.is_out(quantity, KEY) {
                 let within_reading = last.truth.beyond(quantity, KEY) <= quantity.precision();
                 let stated = last.left.iter().any(|left| left.quantity == quantity)
-                    || quantity == Quantity::Check && last.caught_no_farther;
+                    || quantity == ReadingQuantity::Check && last.caught_no_farther;
                 if within_reading || stated {
                     self.with_reason += 1;
                 } else {

@@ -20,10 +20,10 @@ use super::{Bridge, Prepared, Strings};
 use crate::instrument::Instrument;
 
 /// Steps in which nothing but dampers touches the strings are not longer, s.
-const LONGEST_S: f64 = 50e-6;
+const MAX_STEP_S: f64 = 50e-6;
 /// Likewise where a bridge moves, s: strings and bridge exchange means over a step. In steps of 50 us the energy of a
 /// note is a twentieth too low after half a second, in steps of 25 us an eightieth (`tests/it/dampers.rs`).
-const LONGEST_ON_A_BRIDGE_S: f64 = 1.0 / 48e3;
+const MAX_STEP_ON_A_BRIDGE_S: f64 = 1.0 / 48e3;
 /// Hammers are not faster, m/s, nor does anything else come nearer to a string faster.
 const FASTEST_M_PER_S: f64 = 20.0;
 /// A fortissimo, m/s.
@@ -37,7 +37,7 @@ const UNKNOWN_S: f64 = 1.0 / 96e3;
 /// Rounding that a step may be longer by and still count as no longer.
 const NEARLY: f64 = 1.0 + 1e-9;
 /// Steps are not halved more often.
-const MOST_HALVINGS: u32 = 10;
+const MAX_HALVINGS: u32 = 10;
 
 /// The longest step, s, that the strings of an instrument may be struck in: a part of the time for which their hammer
 /// would touch a wall in a fortissimo.
@@ -66,9 +66,9 @@ impl Strings {
     /// For steps of a length, s.
     pub(super) fn parts_of(&self, step_s: f64) -> Parts {
         let halvings = |longest_s: f64| {
-            (0..MOST_HALVINGS).find(|n| step_s <= longest_s * NEARLY * f64::from(1 << n)).unwrap_or(MOST_HALVINGS)
+            (0..MAX_HALVINGS).find(|n| step_s <= longest_s * NEARLY * f64::from(1 << n)).unwrap_or(MAX_HALVINGS)
         };
-        let apart = halvings(if self.bridge_modes.is_empty() { LONGEST_S } else { LONGEST_ON_A_BRIDGE_S });
+        let apart = halvings(if self.bridge_modes.is_empty() { MAX_STEP_S } else { MAX_STEP_ON_A_BRIDGE_S });
         let near = halvings(self.impact_step_s).max(apart);
         Parts { apart: 1 << apart, near: 1 << near, reach_m: FASTEST_M_PER_S * step_s }
     }

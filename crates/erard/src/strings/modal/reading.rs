@@ -56,7 +56,7 @@ impl Strings {
         self.rail.map(|rail| rail.aim_m)
     }
 
-    /// Sends the pedal's rail to a lift, m, from 0 (up) to [`crate::strings::PEDAL_MOST_M`]; it goes there at
+    /// Sends the pedal's rail to a lift, m, from 0 (up) to [`crate::strings::MAX_PEDAL_M`]; it goes there at
     /// [`crate::strings::PEDAL_M_PER_S`] at most. NaN changes nothing.
     pub fn set_pedal(&mut self, lift_m: f64) {
         if let Some(rail) = &mut self.rail {

@@ -1,7 +1,7 @@
 //! Check for energy gains: the energy balance of whole notes, and of a hammer that stays on the strings.
 
 use erard::instrument::Instrument;
-use erard::mechanism::{open_ledger, take_stock};
+use erard::mechanism::{open_ledger, update_energies};
 use erard::stroke::{NUANCES, Touch};
 use moreau::Settings;
 
@@ -47,12 +47,12 @@ pub(super) fn add(grand: &Instrument, section: &mut Section, progress: &mut Prog
         let mut ledger = open_ledger(head.as_mut());
         let (mut lost, mut won) = (0.0, 0.0_f64);
         for _ in 0..(STAYS_S / step_s) as usize {
-            head.step(&moreau::Input::Free);
-            head.book(&mut ledger);
+            head.step(&moreau::SiteInput::Free);
+            head.record_energy(&mut ledger);
             won = won.max(lost - ledger.surface);
             lost = ledger.surface;
         }
-        take_stock(head.as_ref(), &mut ledger);
+        update_energies(head.as_ref(), &mut ledger);
         let residual = ledger.residual_relative();
         told.push(format!("{:.0} us: {residual:.1e}, {:.2} mJ lost in the strings", 1e6 * step_s, 1e3 * lost));
         // Losses are differences of work and energy: their rounding is no gain.

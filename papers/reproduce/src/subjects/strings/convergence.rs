@@ -101,7 +101,7 @@ fn head_alone(head: &Instrument, step_s: f64) -> Result<Option<Impact>, Reproduc
     let steps = (HEAD_S / step_s).round();
     let (mut forces_n, mut speeds_m_per_s) = (Vec::new(), Vec::new());
     for _ in 0..steps as usize {
-        thrown.step(&moreau::Input::Free);
+        thrown.step(&moreau::SiteInput::Free);
         forces_n.push(thrown.normal_force(0));
         speeds_m_per_s.push(thrown.readout().velocities[0]);
     }
@@ -177,7 +177,7 @@ fn taken(head: &Instrument, step_s: f64) -> Result<f64, ReproduceError> {
     .expect("numbers alone");
     let mut thrown = head::thrown(&head, step_s, SPEED_M_PER_S)?;
     for _ in 0..(HEAD_S / step_s).round() as usize {
-        thrown.step(&moreau::Input::Free);
+        thrown.step(&moreau::SiteInput::Free);
     }
     let whole_j = 0.5 * head.bodies[0].inertia_kg_m2 * SPEED_M_PER_S * SPEED_M_PER_S;
     Ok(thrown.readout().surfaces.map_or(f64::NAN, |surfaces| surfaces.lost()) / whole_j)

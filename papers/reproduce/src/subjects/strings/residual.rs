@@ -1,7 +1,7 @@
 //! Residual of the energy balance of a note with strings, over the step.
 
 use erard::instrument::{Instrument, InstrumentFields};
-use erard::mechanism::{Halving, open_ledger, take_stock};
+use erard::mechanism::{Halving, open_ledger, update_energies};
 use erard::run::{Setup, press};
 use erard::{Input, Settings};
 
@@ -31,9 +31,9 @@ const HEAD_S: f64 = 20e-3;
 /// Change of the grand, and halving of steps.
 type Way = (&'static str, fn(&mut InstrumentFields), Halving);
 const WAYS: [Way; 3] = [
-    ("halved near the string", |_| {}, Halving::AsAsked),
+    ("halved near the string", |_| {}, Halving::Auto),
     ("rigid string", |grand| grand.roles.rigid_string = true, Halving::Never),
-    ("felts without sliders", without_sliders, Halving::AsAsked),
+    ("felts without sliders", without_sliders, Halving::Auto),
 ];
 
 /// Felts with a rate-dependent loss only.
@@ -110,9 +110,9 @@ fn of_a_head(head: &Instrument, step_s: f64) -> Result<f64, ReproduceError> {
     let mut m = head::thrown(head, step_s, HEAD_M_PER_S)?;
     let mut ledger = open_ledger(m.as_mut());
     for _ in 0..(HEAD_S / step_s) as usize {
-        m.step(&moreau::Input::Free);
-        m.book(&mut ledger);
+        m.step(&moreau::SiteInput::Free);
+        m.record_energy(&mut ledger);
     }
-    take_stock(m.as_ref(), &mut ledger);
+    update_energies(m.as_ref(), &mut ledger);
     Ok(ledger.residual().abs() / (0.5 * head.bodies[0].inertia_kg_m2 * HEAD_M_PER_S * HEAD_M_PER_S))
 }
