@@ -12,12 +12,18 @@ pub(crate) type LawPoints = (String, Vec<[f64; 2]>);
 /// begin with `#` are left out.
 ///
 /// # Errors
-/// Where it cannot be read, with what `--law` expects, and where a line holds something else.
-pub(crate) fn law_points(session: &mut Session, path: &Path, head: &str, expected: &str) -> Result<LawPoints, Failure> {
+/// Where it cannot be read, with what `option` expects, and where a line holds something else.
+pub(crate) fn law_points(
+    session: &mut Session,
+    option: &str,
+    path: &Path,
+    head: &str,
+    expected: &str,
+) -> Result<LawPoints, Failure> {
     let (name, bytes) = session
         .inputs
         .bytes(path)
-        .map_err(|error| Failure::Usage(format!("--law: expected {expected} or a file of points; {error}")))?;
+        .map_err(|error| Failure::Usage(format!("{option}: expected {expected} or a file of points; {error}")))?;
     let text = erard::instrument::utf8(&bytes, &name)?;
     let wrong = |line: usize, what: &str| Failure::Usage(format!("{name}, line {line}: {what}"));
     let mut points: Vec<[f64; 2]> = Vec::new();

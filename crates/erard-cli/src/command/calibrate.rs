@@ -166,6 +166,6 @@ impl Calibrate {
 
 /// A law of one's own points: readings and millimetres, from the rest to the bottom.
 fn own_table(session: &mut Session, path: &Path) -> Result<Law, Failure> {
-    let (name, points) = law_points(session, path, "raw,mm", "linear, cny70, hall")?;
+    let (name, points) = law_points(session, "--sensor-law", path, "raw,mm", "linear, cny70, hall")?;
     Law::of_points(&points).map_err(|fault| Failure::Usage(format!("{name}: {fault}")))
 }

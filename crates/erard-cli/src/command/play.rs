@@ -106,7 +106,7 @@ impl Play {
     fn law_points(&self, session: &mut Session) -> Result<Option<LawPoints>, Failure> {
         let is_own = self.law != "logarithmic" && !self.law.starts_with("linear:");
         let file = is_own.then(|| Path::new(&self.law));
-        file.map(|path| law_points(session, path, "m_per_s,velocity", "logarithmic, linear:V")).transpose()
+        file.map(|path| law_points(session, "--law", path, "m_per_s,velocity", "logarithmic, linear:V")).transpose()
     }
 
     fn law<'l>(&self, points: &'l Option<LawPoints>) -> Result<Law<'l>, Failure> {

@@ -50,7 +50,7 @@ pub(crate) struct WeighOptions {
     #[arg(long, requires = "measured")]
     simulate_work: bool,
     /// Number of keys to check in the dynamic model, from bass to treble
-    #[arg(long, value_name = "KEYS", default_value_t = 3, value_parser = whole::<usize>(0, 88), requires = "measured")]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole::<usize>(0, 88), requires = "measured")]
     checked_keys: usize,
     #[command(flatten)]
     lengths: Lengths,

@@ -283,3 +283,45 @@ fn notes_that_became_untrue_are_marked_in_pictures() {
     assert_eq!(page.matches("<circle class=\"mark\"").count(), 1);
     assert!(page.contains("id=\"beside\""), "side by side is offered");
 }
+
+/// An option takes the same kind of value in every command that has it. Goals of `regulate` show an example instead,
+/// and `compare` runs several drives and models.
+#[test]
+fn an_option_means_the_same_in_every_command() {
+    let mut program = erard_cli::command::definition();
+    program.build();
+    let mut known = std::collections::BTreeMap::<String, (String, Vec<String>)>::new();
+    for command in program.get_subcommands().filter(|command| command.get_name() != "regulate") {
+        for option in command.get_arguments() {
+            let Some(long) = option.get_long() else { continue };
+            let takes = option.get_action().takes_values();
+            let names = option.get_value_names().filter(|_| takes).unwrap_or_default();
+            let kinds: Vec<String> = names.iter().map(|name| name.trim_end_matches('S').to_owned()).collect();
+            let command = command.get_name().to_owned();
+            let (first, known) = known.entry(long.to_owned()).or_insert_with(|| (command.clone(), kinds.clone()));
+            assert_eq!(*known, kinds, "--{long} of {first} and of {command}");
+        }
+    }
+}
+
+/// The name that an option has in another command is refused, and the message names the one of this command.
+#[test]
+fn an_option_of_another_command_is_refused_with_the_own_one() {
+    let folder = Folder::new("desk-options");
+    for (arguments, own) in [
+        (&["play", "x.mid", "--against", "heavy-touch"][..], "--against-keyboard"),
+        (&["play", "x.mid", "--record-every", "1"], "--record-interval"),
+        (&["live", "x.csv", "--bits", "14"], "--velocity-bits"),
+        (&["live", "x.csv", "--port", "synth"], "--midi-port"),
+        (&["live", "x.csv", "--out", "x.mid"], "--out-file"),
+        (&["regulate", "--out", "x.toml"], "--out-file"),
+        (&["calibrate", "x.csv", "--law", "hall"], "--sensor-law"),
+        (&["kinematics", "--from", "1"], "--from-travel"),
+        (&["kinematics", "--to", "9"], "--to-travel"),
+        (&["kinematics", "c7f-like", "--check"], "--check-file"),
+        (&["keyboard", "--measured", "x.csv", "--leads", "14"], "--lead-masses"),
+    ] {
+        let said = folder.bad(arguments);
+        assert!(said.contains("unexpected argument") && said.contains(own), "{arguments:?}: {said}");
+    }
+}

@@ -222,7 +222,7 @@ fn what_cannot_be_played_is_refused() {
         (&["calibrate", "mm.csv"], "expected a reading"),
         (&["calibrate", "stuck.csv"], "is the sensor stuck?"),
         (&["calibrate", "raw.csv"], "1 readings"),
-        (&["calibrate", "raw.csv", "--sensor-law", "nolaw"], "nolaw"),
+        (&["calibrate", "raw.csv", "--sensor-law", "nolaw"], "--sensor-law: expected linear, cny70, hall"),
     ] {
         let said = Folder::words(&folder.bad(arguments));
         assert!(said.contains(part), "{arguments:?}: {said}");
