@@ -194,7 +194,7 @@ def call(seed: int) -> tuple[str, Callable[[], Any]]:
             continue
         elif parameter in own:
             value = own[parameter]()
-        elif one.default is inspect.Parameter.empty or parameter in ("duration", "progress", "restarts", "most", "steps", "only", "keys"):
+        elif one.default is inspect.Parameter.empty or parameter in ("duration", "progress", "restarts", "max_evaluations", "steps", "only", "keys"):
             if parameter not in GOOD and one.default is inspect.Parameter.empty:
                 raise LookupError(f"{name}: say in GOOD or OWN what a good call gives as {parameter}")
             value = GOOD[parameter]() if parameter in GOOD else inspect.Parameter.empty

@@ -13,7 +13,8 @@ use sha2::{Digest, Sha256};
 pub(crate) const COMMIT: Option<&str> = option_env!("ERARD_COMMIT");
 
 /// Options that say where results go and how they are reported, not what they are; with a value, or without.
-const ELSEWHERE: [(&str, bool); 4] = [("out", true), ("force", false), ("quiet", false), ("json", false)];
+const ELSEWHERE: [(&str, bool); 5] =
+    [("out", true), ("out-file", true), ("force", false), ("quiet", false), ("json", false)];
 
 /// The command line, and what was read.
 #[derive(Debug, Default)]
@@ -55,7 +56,7 @@ impl Provenance {
         if let Some((definition, matches)) = chosen {
             for argument in definition.get_arguments() {
                 let id = argument.get_id().as_str();
-                if ELSEWHERE.iter().any(|(name, _)| *name == id) {
+                if ELSEWHERE.iter().any(|(name, _)| name.replace('-', "_") == id) {
                     continue;
                 }
                 if let Ok(Some(values)) = matches.try_get_raw(id) {

@@ -75,7 +75,7 @@ pub(crate) struct Live {
     channel: u8,
     /// Output of the MIDI bytes: a pipe, a device, or a file. A name that ends in .mid makes a Standard MIDI File, one
     /// that ends in .csv a table of the notes with their hammer speeds [default: `-`, standard output]
-    #[arg(id = "bytes", long = "out", short = 'o', value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE")]
     out_file: Option<PathBuf>,
     /// MIDI port of the system, by part of its name, instead of --out-file
     #[arg(long, value_name = "NAME")]

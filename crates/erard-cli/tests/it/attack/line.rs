@@ -91,7 +91,7 @@ impl Line {
                 give(known[rng.usize(..known.len())], &mut arguments, &mut rng);
             }
         }
-        for (id, chance) in [("out", 160), ("force", 110)] {
+        for (id, chance) in [("out", 160), ("out_file", 160), ("force", 110)] {
             let own = known.iter().find(|one| one.get_id() == id && one.get_long().is_some());
             if let Some(own) = own.filter(|_| rng.u8(..) < chance) {
                 give(own, &mut arguments, &mut rng);
@@ -161,7 +161,7 @@ fn give(arg: &Arg, arguments: &mut Vec<String>, rng: &mut Rng) {
     let pick = |from: &[&str], rng: &mut Rng| from[rng.usize(..from.len())].to_owned();
     let own: Vec<String> = arg.get_possible_values().iter().map(|one| one.get_name().to_owned()).collect();
     let value = match rng.u8(..100) {
-        0..60 if arg.get_id() == "out" || asks(&["DIR"]) => pick(&OUTPUTS, rng),
+        0..60 if ["out", "out_file"].iter().any(|id| arg.get_id() == *id) || asks(&["DIR"]) => pick(&OUTPUTS, rng),
         0..60 if asks(&["FILE", "CSV", "RECORDING", "NAME", "INSTRUMENT", "KEYBOARD"]) => pick(&INPUTS, rng),
         0..60 if !own.is_empty() => own[rng.usize(..own.len())].clone(),
         0..80 => pick(&NUMBERS, rng),

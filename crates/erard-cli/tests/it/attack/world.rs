@@ -161,9 +161,9 @@ pub fn end(child: &Child) {
 /// Whether a path is one of the inputs that the line names.
 fn is_read(line: &Line, path: &str) -> bool {
     let names = |one: &String| one == path || one.ends_with(&format!("={path}"));
-    let out = line.arguments.iter().position(|one| one == "--out");
+    let out = line.arguments.iter().position(|one| one == "--out" || one == "--out-file");
     let given = line.arguments.iter().enumerate().any(|(i, one)| names(one) && out.is_none_or(|out| i != out + 1));
-    given && !line.arguments.iter().any(|one| *one == format!("--out={path}"))
+    given && !line.arguments.iter().any(|one| *one == format!("--out={path}") || *one == format!("--out-file={path}"))
 }
 
 /// Whether a stage would be called so.
