@@ -54,7 +54,7 @@ pub struct Row {
     /// The outcome, or why there is none.
     pub outcome: OwnResult,
     /// The variant's measures, in the order asked for; or why there are none.
-    pub measured: Result<Vec<Option<f64>>, String>,
+    pub measured: MeasuredLines,
 }
 
 impl Row {
@@ -86,6 +86,8 @@ pub fn doubts<'a>(outcomes: impl Iterator<Item = &'a OwnResult> + Clone) -> Vec<
 
 /// A column's name and its values.
 pub type Column = (String, Vec<Option<f64>>);
+/// Values of a variant's measured lines in their order, each `None` where it has none; or why it has no values.
+pub type MeasuredLines = Result<Vec<Option<f64>>, String>;
 
 /// `failed`, `trusted` and the energy residual.
 const OF_THE_SOLUTION: usize = 3;
@@ -236,7 +238,7 @@ impl Grid<'_> {
         &self,
         played: &PlayedPortion,
         progress: &mut Progress<'_>,
-    ) -> Result<Vec<Result<Vec<Option<f64>>, String>>, SimulationError> {
+    ) -> Result<Vec<MeasuredLines>, SimulationError> {
         if self.lines.is_empty() {
             return Ok(vec![Ok(Vec::new()); played.variants.len()]);
         }

@@ -229,12 +229,12 @@ impl<'a> Node<'a> {
     /// What this node is. Not generic, so that it is compiled once and not for every type of a file.
     fn seen(&self) -> Result<Seen<'a>, TomlError> {
         if let Some((table, replaced, keys)) = self.table() {
-            return Ok(Seen::Pairs(Pairs::table(table, replaced, keys)));
+            return Ok(Seen::Pairs(Box::new(Pairs::table(table, replaced, keys))));
         }
         Ok(match self {
             Node::Text(text) => Seen::Text(text),
             Node::Place(place) => Seen::Place(*place as u64),
-            Node::Table(table, _, replaced) => Seen::Pairs(Pairs::table(table, replaced, [""; 3])),
+            Node::Table(table, _, replaced) => Seen::Pairs(Box::new(Pairs::table(table, replaced, [""; 3]))),
             Node::Value(value, replaced, keys) => match value.get_ref() {
                 DeValue::Integer(_) | DeValue::Float(_) if replaced.numbers.contains_key(&place(value)) => {
                     Seen::Float(replaced.numbers[&place(value)])
@@ -244,8 +244,8 @@ impl<'a> Node<'a> {
                 DeValue::Float(number) => Seen::Float(float(number)?),
                 DeValue::Boolean(value) => Seen::Boolean(*value),
                 DeValue::Array(items) => Seen::Items(Items(items.iter(), replaced, *keys)),
-                DeValue::Table(table) => Seen::Pairs(Pairs::table(table, replaced, *keys)),
-                DeValue::Datetime(_) => Seen::Pairs(Pairs::date()),
+                DeValue::Table(table) => Seen::Pairs(Box::new(Pairs::table(table, replaced, *keys))),
+                DeValue::Datetime(_) => Seen::Pairs(Box::new(Pairs::date())),
             },
         })
     }
@@ -284,7 +284,7 @@ impl<'a> Seen<'a> {
             Seen::Long(number) => visitor.visit_i128(number),
             Seen::Boolean(value) => visitor.visit_bool(value),
             Seen::Items(items) => visitor.visit_seq(items),
-            Seen::Pairs(pairs) => visitor.visit_map(pairs),
+            Seen::Pairs(pairs) => visitor.visit_map(*pairs),
         }
     }
 }
@@ -298,7 +298,8 @@ enum Seen<'a> {
     Long(i128),
     Boolean(bool),
     Items(Items<'a>),
-    Pairs(Pairs<'a>),
+    // In a box, because it is much larger than the others.
+    Pairs(Box<Pairs<'a>>),
 }
 
 fn integer<'a>(number: &DeInteger<'_>) -> Result<Seen<'a>, TomlError> {

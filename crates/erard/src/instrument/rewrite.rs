@@ -45,7 +45,7 @@ impl Instrument {
             let missing = || RewriteError::NoSetting(screw.name.clone());
             let path = ["screw", screw.name.as_str(), key];
             let item = find(document.as_table_mut(), &path).ok_or_else(missing)?;
-            if numbers(item, &key).as_deref() != Some(&[setting]) {
+            if numbers(item, key).as_deref() != Some(&[setting]) {
                 set(item, setting, &source, note);
                 changed = true;
             }
