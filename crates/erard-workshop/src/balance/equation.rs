@@ -1,7 +1,5 @@
 //! The equation of balance, solved for each of its quantities.
 
-use super::measured::MeasuredKey;
-
 /// Weights and ratio balanced by a key, g and 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parts {
@@ -39,12 +37,6 @@ pub(crate) struct Balance {
 }
 
 impl Balance {
-    /// Returns those of a key; `None` unless both were measured.
-    #[must_use]
-    pub(super) fn of(key: &MeasuredKey) -> Option<Self> {
-        Some(Balance { down_weight_g: key.down_weight_g?, up_weight_g: key.up_weight_g? })
-    }
-
     /// BW = (D + U) / 2, g.
     #[must_use]
     pub(crate) fn balance_weight_g(&self) -> f64 {
@@ -132,20 +124,6 @@ impl WeightReadings {
                 "the {other}, a down-weight D or an up-weight U beside it: D and U follow from two of them"
             ),
         }
-    }
-}
-
-impl MeasuredKey {
-    /// BW = (D + U) / 2, g; `None` unless both were measured.
-    #[must_use]
-    pub fn balance_weight_g(&self) -> Option<f64> {
-        Balance::of(self).map(|own| own.balance_weight_g())
-    }
-
-    /// F = (D - U) / 2, g; `None` unless both were measured.
-    #[must_use]
-    pub fn friction_weight_g(&self) -> Option<f64> {
-        Balance::of(self).map(|own| own.friction_weight_g())
     }
 }
 

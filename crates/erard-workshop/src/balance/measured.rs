@@ -1,6 +1,6 @@
 //! Weights read from a table: one row per key; keys and cells may be missing.
 
-use super::equation::WeightReadings;
+use super::equation::{Balance, WeightReadings};
 use super::leads::Lead;
 use super::rows::{MeasuredError, number, ratio, rows_of_keys};
 
@@ -23,6 +23,25 @@ pub struct MeasuredKey {
     pub key_ratio: Option<f64>,
     /// Leads in the key; empty if not given.
     pub leads: Vec<Lead>,
+}
+
+impl MeasuredKey {
+    /// BW = (D + U) / 2, g; `None` unless both were measured.
+    #[must_use]
+    pub fn balance_weight_g(&self) -> Option<f64> {
+        self.balance().map(|own| own.balance_weight_g())
+    }
+
+    /// F = (D - U) / 2, g; `None` unless both were measured.
+    #[must_use]
+    pub fn friction_weight_g(&self) -> Option<f64> {
+        self.balance().map(|own| own.friction_weight_g())
+    }
+
+    /// D and U; `None` unless both were measured.
+    pub(super) fn balance(&self) -> Option<Balance> {
+        Some(Balance { down_weight_g: self.down_weight_g?, up_weight_g: self.up_weight_g? })
+    }
 }
 
 /// A column: its name, its other names, and the least and largest value of a cell.

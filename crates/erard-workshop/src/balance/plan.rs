@@ -130,7 +130,7 @@ pub fn plan(measured: &[MeasuredKey], models: &[KeyModel; KEYS], target: Target,
             whippen_weight_g: key.whippen_weight_g.unwrap_or(model.whippen_weight_g),
             key_ratio: key.key_ratio.unwrap_or(model.key_ratio),
         });
-        ratios[key.key - 1] = parts.zip(Balance::of(key)).map(|(parts, own)| parts.ratio(own.balance_weight_g()));
+        ratios[key.key - 1] = parts.zip(key.balance()).map(|(parts, own)| parts.ratio(own.balance_weight_g()));
     }
     let strike_weight_g = smooth(&strike_weights);
     let ratio = smooth(&ratios);
@@ -157,7 +157,7 @@ pub fn plan(measured: &[MeasuredKey], models: &[KeyModel; KEYS], target: Target,
         .zip(apart)
         .map(|(key, apart)| {
             let at = key.key - 1;
-            let known = Known { balance: Balance::of(key), ratio: ratios[at], apart };
+            let known = Known { balance: key.balance(), ratio: ratios[at], apart };
             balanced(key, &models[at], known, &curves, target, leads_g)
         })
         .collect();

@@ -171,6 +171,11 @@ fn form(number: FileNumber) -> String {
     number.path("*")
 }
 
+/// Whether a schema's type, or one of its types, is a number.
+fn is_number(kind: &Value) -> bool {
+    kind == "number" || kind == "integer" || kind.as_array().is_some_and(|kinds| kinds.iter().any(is_number))
+}
+
 /// Kinds of numbers in the schema, as [`form`].
 fn schema_forms() -> BTreeSet<String> {
     fn walk(schema: &Value, node: &Value, path: &str, forms: &mut BTreeSet<String>) {
@@ -191,10 +196,7 @@ fn schema_forms() -> BTreeSet<String> {
             properties.iter().for_each(|(key, node)| walk(schema, node, &within(key), forms));
         } else if node["type"] == "array" && node["items"]["$ref"].is_string() {
             walk(schema, &node["items"], &within("*"), forms);
-        } else if [&node["type"], &node["items"]["type"], &node["items"]["items"]["type"]]
-            .iter()
-            .any(|kind| **kind == "number" || **kind == "integer")
-        {
+        } else if [&node["type"], &node["items"]["type"], &node["items"]["items"]["type"]].into_iter().any(is_number) {
             forms.insert(path.to_owned());
         }
     }

@@ -1,7 +1,7 @@
 //! An instrument's indices stay in range: whatever a program writes, it is refused by its field.
 
 use erard::Instrument;
-use erard::instrument::{DamperFelt, InstrumentFields, ScrewAction};
+use erard::instrument::{DamperFelt, DrawnPart, InstrumentFields, Material, ScrewAction};
 
 type Change = fn(&mut InstrumentFields);
 
@@ -18,7 +18,11 @@ const WRONG: [(&str, Change); 26] = [
     ("screws[0].action.zone", |i| i.screws[0].action = ScrewAction::Curve { zone: 99, direction: [1.0, 0.0] }),
     ("screws[1].action.zone", |i| i.screws[1].action = ScrewAction::Turn { zone: 99 }),
     ("screws[1].action.spring", |i| i.screws[1].action = ScrewAction::Spring { spring: 99 }),
-    ("parts[0].body", |i| i.parts[0].body = Some(99)),
+    ("parts[0].body", |i| {
+        let outline_m = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        let (name, body, material) = ("stick".to_owned(), Some(99), Material::Wood);
+        i.parts = vec![DrawnPart { name, body, material, outline_m, smooth: false }];
+    }),
     ("roles.key", |i| i.roles.key = Some(99)),
     ("roles.hammer", |i| i.roles.hammer = Some(99)),
     ("roles.key_bottom", |i| i.roles.key_bottom = Some(99)),
