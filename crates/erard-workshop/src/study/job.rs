@@ -29,7 +29,7 @@ pub struct Played {
     pub energy_residual: Option<f64>,
     /// Reasons why the stroke cannot be trusted; without the setup's ledger neither energy nor felts are judged.
     pub warnings: Vec<Warning>,
-    /// Samples, column by column ([`sample_all`]); empty without sampling, or if the run ended early.
+    /// Samples, column by column; empty without sampling, or if the run ended early.
     pub samples: Vec<Vec<f64>>,
 }
 

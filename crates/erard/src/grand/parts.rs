@@ -3,7 +3,8 @@
 use super::{Anatomy, AnatomyError};
 use crate::instrument::{Instrument, Zone};
 
-/// The parts that are weighed, and where let-off begins. Indices into [`Instrument::bodies`] and [`Instrument::zones`].
+/// The parts that are weighed, and where let-off begins. Indices into
+/// [`bodies`](crate::instrument::InstrumentFields::bodies) and [`zones`](crate::instrument::InstrumentFields::zones).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Parts {
     /// The key.

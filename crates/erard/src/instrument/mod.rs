@@ -386,7 +386,7 @@ impl Felt {
     }
 }
 
-/// Roles of the parts, as indices into [`Instrument::bodies`] and [`Instrument::zones`].
+/// Roles of the parts, as indices into [`InstrumentFields::bodies`] and [`InstrumentFields::zones`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Roles {
     /// The body that the finger presses.
@@ -403,9 +403,9 @@ pub struct Roles {
     pub key_bottom: Option<usize>,
     /// Zone between hammer and string.
     pub string: Option<usize>,
-    /// Whether the string is rigid in spite of [`Instrument::strings`].
+    /// Whether the string is rigid in spite of [`InstrumentFields::strings`].
     pub rigid_string: bool,
-    /// Whether the bridge is rigid in spite of [`Instrument::bridge_modes`].
+    /// Whether the bridge is rigid in spite of [`InstrumentFields::bridge_modes`].
     pub rigid_bridge: bool,
     /// Zone between the damper lever and the rail that the sustain pedal lifts.
     pub pedal: Option<usize>,
