@@ -293,8 +293,8 @@ fn infer(values: &[&Value], key: &str) -> Value {
     kinds.sort_unstable();
     kinds.dedup();
     let mut schema = Map::new();
-    // Of what was always null nothing is known.
-    if kinds != ["null"] {
+    // Of what was always null, or never there, nothing is known.
+    if !kinds.is_empty() && kinds != ["null"] {
         schema.insert("type".into(), if kinds.len() == 1 { kinds[0].into() } else { kinds.into() });
     }
     let objects: Vec<&Map<String, Value>> = values.iter().filter_map(|value| value.as_object()).collect();
@@ -384,7 +384,10 @@ fn holds(answer: &Value, mut report: Value) -> bool {
     let fields = answer.as_object().unwrap();
     let instruments = fields.get("instruments").and_then(Value::as_array).into_iter().flatten();
     let nested: Vec<Value> = instruments.filter_map(|one| one.get("sheet").cloned()).collect();
-    is_within(&report, answer) || fields.values().any(|field| is_within(&report, field)) || report == json!(nested)
+    let stands = |report: &Value| is_within(report, answer) || fields.values().any(|field| is_within(report, field));
+    // The list of one instrument may stand there without the list.
+    let is_alone = report.as_array().is_some_and(|list| list.len() == 1 && stands(&list[0]));
+    stands(&report) || is_alone || report == json!(nested)
 }
 
 /// Whether a value has all fields of another, and else the same content.
