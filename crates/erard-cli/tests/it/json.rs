@@ -137,7 +137,7 @@ const CALLS: &[(&str, &[&[&str]])] = &[
         &[&["fmu", "--library", "liberard.so"], &["fmu", "--keyboard", "concert-grand", "--library", "liberard.so"]],
     ),
     (
-        "keyboard-weigh",
+        "keyboard-measured",
         &[
             &["keyboard", "--measured", "weighed.csv", "--checked-keys", "1", "--simulate-work", "--out", "w1"],
             &["keyboard", "--measured", "weighed.csv", "--checked-keys", "0", "--target", "balance=38g", "--out", "w2"],
@@ -330,7 +330,7 @@ fn quick_commands_answer_by_their_schemas() {
 const SLOWEST: [&str; 11] = [
     "study-sensitivities",
     "study-bands",
-    "keyboard-weigh",
+    "keyboard-measured",
     "validate",
     "validate-bands",
     "fit",
