@@ -174,7 +174,7 @@ pub(crate) fn rollout<'py>(
             InnerStroke::recorded(String::new(), series, position_of, Some(drive)).map_err(fault::wrong)?;
         strokes.push(stroke);
     }
-    let instruments: Vec<Inner> = instruments.iter().map(|one| one.get().inner.without_outlines()).collect();
+    let instruments: Vec<Inner> = instruments.iter().map(|one| (*one.get().inner).clone().without_outlines()).collect();
     let Some(reference) = instruments.first() else {
         return Err(wrong_argument("instruments", "found none, expected one or more"));
     };
@@ -215,9 +215,10 @@ pub(crate) fn study<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (own, source) = (&*instrument.inner, instrument.source()?);
-    let axis = |(name, values)| Axis::of_values(name, values, own, &source).map_err(|error| fault::change(&error));
-    let named = axes.iter().map(|(name, values)| (&name[..], values.clone()));
-    let mut axes: Vec<Axis> = named.map(axis).collect::<PyResult<_>>()?;
+    let axis = |(name, values): (String, Vec<f64>)| {
+        Axis::of_values(&name, values, own, &source).map_err(|error| fault::change(&error))
+    };
+    let mut axes: Vec<Axis> = axes.into_iter().map(axis).collect::<PyResult<_>>()?;
     let lines = lines_named("measure", &measure)?;
     let constant = forces.as_ref().and_then(|forces| forces.first());
     let stroke = match (constant, stroke) {

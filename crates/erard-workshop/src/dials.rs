@@ -5,7 +5,7 @@
 
 use erard::grand::Parts;
 use erard::instrument::{Instrument, InstrumentFile, ScrewAction, Vec2, with_numbers};
-use erard::parameter::{Bare, Change, FileNumber, NumberError, Parameter, Quantity};
+use erard::parameter::{Bare, Change, FileNumber, NumberError, Parameter, Quantity, in_file_unit};
 use serde::Serialize;
 
 use crate::regulate::known_screw;
@@ -135,15 +135,11 @@ pub fn typed_value(file: &InstrumentFile, name: &str, text: &str) -> Result<f64,
     let dial = find(&all, name).map_err(DialError::Unknown)?;
     // A factor of the file's number is a number without a unit.
     let own = Quantity::ALL.into_iter().find_map(|quantity| Some((quantity, quantity.unit(dial.unit)?)));
-    let (quantity, bare, si) =
-        own.map_or((Quantity::Number, Bare::Si, 1.0), |(quantity, unit)| (quantity, Bare::In(unit.symbol), unit.si));
+    let (quantity, bare) =
+        own.map_or((Quantity::Number, Bare::Si), |(quantity, unit)| (quantity, Bare::In(unit.symbol)));
     let change =
         Change::read(text, quantity, bare).map_err(|error| DialError::Text { name: name.to_owned(), error })?;
-    let value = tidy(match change {
-        Change::Set(value) => value / si,
-        Change::Add(by) => dial.value + by / si,
-        Change::Multiply(factor) => dial.value * factor,
-    });
+    let value = tidy(in_file_unit(change, dial.value, own.map(|(_, unit)| unit)));
     dial.check(value).map_err(DialError::Range)?;
     Ok(value)
 }

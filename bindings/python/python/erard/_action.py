@@ -77,10 +77,10 @@ class Action:
         Returns
         -------
         Reading
-            `time_s`, `key_m`, `key_m_per_s`, `finger_force_n` (force of the finger on the key), `hammer_rise_m`, `hammer_rise_m_per_s`
-            (up positive), `string_n`, `hand_m` and `hand_m_per_s` (with a hand), `bridge_n` (force of modal strings on
-            the bridge), `converged`, and `impact`: time (s) and hammer speed (m/s, total) of the impact in this step,
-            or `None`.
+            `time_s`, `key_m`, `key_m_per_s`, `finger_force_n` (force of the finger on the key), `hammer_rise_m`,
+            `hammer_rise_m_per_s` (up positive), `string_n`, `hand_m` and `hand_m_per_s` (with a hand), `bridge_n`
+            (force of modal strings on the bridge), `converged`, and `impact`: time (s) and hammer speed (m/s, total) of
+            the impact in this step, or `None`.
         """
         return self._inner.step(None if force is None else number("force", force), pair("motion", motion), pair("rigid", rigid))
 

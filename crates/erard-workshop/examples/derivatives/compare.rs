@@ -279,7 +279,7 @@ const TRAP: f64 = 0.2;
 
 /// Derivatives and central differences of hammer speed at ff for [`TRAPPED`], m/s per usual change, at [`TRAP_S`].
 pub fn trap(instrument: &Instrument) -> [[[f64; 2]; 4]; 4] {
-    let instrument = &instrument.without_outlines();
+    let instrument = &instrument.clone().without_outlines();
     let press = Press::new(instrument, "ff");
     let numbers = &press.numbers;
     let places = TRAPPED.map(|name| numbers.variables.iter().position(|one| one.name == name).unwrap());
@@ -311,7 +311,7 @@ pub struct Closely {
 
 /// Looks at one number closely: derivatives in steps of several lengths, and differences over many windows in each.
 pub fn closely(instrument: &Instrument, name: &str, of: &str, by: &str) -> Vec<Closely> {
-    let instrument = &instrument.without_outlines();
+    let instrument = &instrument.clone().without_outlines();
     let press = Press::new(instrument, name);
     let numbers = &press.numbers;
     let k = numbers.variables.iter().position(|one| one.name == by).expect("a number of the instrument");
@@ -327,7 +327,7 @@ pub fn closely(instrument: &Instrument, name: &str, of: &str, by: &str) -> Vec<C
 
 /// Compares all derivatives of an instrument's press at a level.
 pub fn level(instrument: &Instrument, name: &'static str) -> Level {
-    let instrument = &instrument.without_outlines();
+    let instrument = &instrument.clone().without_outlines();
     let press = Press::new(instrument, name);
     let numbers = &press.numbers;
     let find = |step_s: f64, how: Differentiation| press.derived(numbers.variables.clone(), step_s, how);

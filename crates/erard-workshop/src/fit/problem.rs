@@ -68,7 +68,7 @@ impl Problem {
             }
         }
         // Outlines do not move.
-        let instrument = instrument.without_outlines();
+        let instrument = instrument.clone().without_outlines();
         Ok(Problem { instrument, parameters, recordings, blocks, delay })
     }
 

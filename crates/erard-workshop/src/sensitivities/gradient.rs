@@ -92,7 +92,7 @@ pub fn gradient<'a>(
     how: Differentiation,
     progress: &mut Progress<'_>,
 ) -> Result<Gradient, SensitivityError> {
-    let instrument = &instrument.without_outlines();
+    let instrument = &instrument.clone().without_outlines();
     let Differentiation { rest, sample_every, threads, .. } = how;
     let shares: &[f64] = if how.compares { &[1.0, SHORTER] } else { &[1.0] };
     let asked = How { rest, shares, sample_every, threads };

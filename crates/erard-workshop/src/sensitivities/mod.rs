@@ -202,7 +202,7 @@ pub fn sensitivities<'a>(
     progress: &mut Progress<'_>,
 ) -> Result<Sensitivities, SensitivityError> {
     // Outlines are for drawings.
-    let instrument = &instrument.without_outlines();
+    let instrument = &instrument.clone().without_outlines();
     let weighed = of.iter().any(|one| one.method == Method::Differences);
     let followed = of.iter().any(|one| one.method == Method::Gradient);
     let parts = [

@@ -80,7 +80,7 @@ pub enum VariableError {
 impl Variable {
     /// Returns all named parameters of an instrument ([`Parameter::all`]) that can be changed to both sides.
     pub fn all(instrument: &Instrument) -> Vec<Variable> {
-        let plain = instrument.without_outlines();
+        let plain = instrument.clone().without_outlines();
         let all = Parameter::all(&plain).into_iter();
         all.filter_map(|(name, parameter)| Self::parameter(&plain, name, parameter).ok()).collect()
     }
@@ -90,7 +90,7 @@ impl Variable {
     /// # Errors
     /// See [`VariableError`].
     pub fn named(instrument: &Instrument, text: &str, name: &str) -> Result<Variable, VariableError> {
-        let plain = instrument.without_outlines();
+        let plain = instrument.clone().without_outlines();
         let all = Parameter::all(&plain);
         let name = known_name(name, &all, text);
         let name = name.as_str();
@@ -135,7 +135,10 @@ impl Variable {
             window: apart,
             weighing: apart,
             direction,
-            target: Target::Between(Box::new([low, high].map(|instrument| instrument.without_outlines())), 0.5 * apart),
+            target: Target::Between(
+                Box::new([low, high].map(|instrument| instrument.clone().without_outlines())),
+                0.5 * apart,
+            ),
         })
     }
 

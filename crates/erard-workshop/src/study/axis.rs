@@ -258,13 +258,14 @@ impl Axis {
             .split_once('=')
             .ok_or_else(|| format!("`{text}`: expected a name, `=`, and values such as `let_off=-1mm..1mm:41`"))?;
         let all = Parameter::all(instrument);
-        let name = known_name(name, &all, &source.text(None));
+        let text = source.text(None);
+        let name = known_name(name, &all, &text);
         let name = name.as_str();
         if name == KEY {
             return Self::keys(values);
         }
         let wrong = |error: &dyn std::fmt::Display| format!("`--vary {name}`: {error}");
-        let number = || acting_number(instrument, &source.text(None), name).map_err(|error| format!("--vary: {error}"));
+        let number = || acting_number(instrument, &text, name).map_err(|error| format!("--vary: {error}"));
         let axis = if name == FORCE {
             Self::values(name, values, Target::Force, Quantity::Force, "N").map_err(|error| wrong(&error))?
         } else if let Some(grading) = name.strip_prefix(GRADING) {

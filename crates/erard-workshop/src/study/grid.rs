@@ -171,7 +171,7 @@ impl Grid<'_> {
         progress: &mut Progress<'_>,
     ) -> Result<PlayedPortion, SimulationError> {
         // Outlines are for drawings.
-        let plain = self.instrument.without_outlines();
+        let plain = self.instrument.clone().without_outlines();
         let mut instruments: Vec<Instrument> = Vec::new();
         // The last combination's own values, and where its variant is.
         let mut last: Option<(Vec<usize>, Result<usize, String>)> = None;

@@ -50,38 +50,11 @@ impl Instrument {
         name.clone_into(&mut self.fields.name);
     }
 
-    /// A copy without outlines for drawing, which take no part in the mechanics.
+    /// The instrument without outlines for drawing, which take no part in the mechanics.
     #[must_use]
-    pub fn without_outlines(&self) -> Self {
-        let InstrumentFields {
-            name,
-            gravity_m_per_s2,
-            bodies,
-            springs,
-            zones,
-            strings,
-            bridge_modes,
-            roles,
-            finger,
-            screws,
-            parts: _,
-            origin,
-        } = &self.fields;
-        let fields = InstrumentFields {
-            name: name.clone(),
-            gravity_m_per_s2: *gravity_m_per_s2,
-            bodies: bodies.clone(),
-            springs: springs.clone(),
-            zones: zones.clone(),
-            strings: strings.clone(),
-            bridge_modes: bridge_modes.clone(),
-            roles: roles.clone(),
-            finger: *finger,
-            screws: screws.clone(),
-            parts: Vec::new(),
-            origin: *origin,
-        };
-        Instrument { fields }
+    pub fn without_outlines(mut self) -> Self {
+        self.fields.parts = Vec::new();
+        self
     }
 }
 

@@ -192,8 +192,7 @@ impl FileNumber {
     pub fn part_of<'p>(&self, path: &'p str) -> Option<&'p str> {
         let table = path.strip_suffix(self.key)?;
         let Some((before, after)) = self.table.split_once('*') else {
-            return (table.trim_end_matches('.') == self.table && table.is_empty() == self.table.is_empty())
-                .then_some("");
+            return (path == self.path("")).then_some("");
         };
         let part = table.strip_prefix(before)?.strip_suffix('.')?.strip_suffix(after)?;
         (!part.is_empty() && !part.contains('.')).then_some(part)
@@ -213,6 +212,7 @@ mod tests {
     /// Every number is found at its own path and at no other's.
     #[test]
     fn a_path_is_one_numbers() {
+        assert_eq!(FileNumber::of_path("roleskey_front_mm"), None, "a dot is missing");
         for number in FileNumber::all() {
             let path = number.path("hammer");
             assert_eq!(FileNumber::of_path(&path), Some(number), "{path}");

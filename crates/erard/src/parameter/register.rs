@@ -70,8 +70,14 @@ impl FileNumber {
     /// Physical quantity, and the unit in files; no unit of a plain number.
     #[must_use]
     pub fn quantity(&self) -> (Quantity, Option<&'static Unit>) {
-        Quantity::of_name(self.key).map_or((Quantity::Number, None), |(quantity, unit)| (quantity, Some(unit)))
+        file_unit(self.key)
     }
+}
+
+/// Quantity of a number of the file by the end of its path, and its unit there; `None` for a number without a unit.
+#[must_use]
+pub fn file_unit(path: &str) -> (Quantity, Option<&'static Unit>) {
+    Quantity::of_name(path).map_or((Quantity::Number, None), |(quantity, unit)| (quantity, Some(unit)))
 }
 
 /// Reason why a name is no parameter of an instrument.

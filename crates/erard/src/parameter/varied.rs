@@ -1,6 +1,6 @@
 //! Instruments with some numbers changed by name.
 
-use super::register::idle_number;
+use super::register::{file_unit, idle_number};
 use super::{Bare, Change, FileNumber, NameError, NumberError, Parameter, Quantity, Unit, canonical_name};
 use crate::instrument::{Certainty, FileError, Instrument, InstrumentFile, Spread, numbers_at, with_numbers};
 use thiserror::Error;
@@ -249,12 +249,6 @@ fn number_or_fault(instrument: &Instrument, text: &str, name: &str) -> Result<(S
         Err(error) => error.into(),
         Ok((name, _)) => unreachable!("{name} is a parameter"),
     })
-}
-
-/// Quantity of a number of the file by the end of its path, and its unit there; `None` for a number without a unit.
-#[must_use]
-pub fn file_unit(path: &str) -> (Quantity, Option<&'static Unit>) {
-    Quantity::of_name(path).map_or((Quantity::Number, None), |(quantity, unit)| (quantity, Some(unit)))
 }
 
 /// Value of a number of the file after a change in SI units, both in the file's unit, to fifteen digits as typed.

@@ -77,7 +77,7 @@ impl Losses {
     #[must_use]
     pub fn open(instrument: &Instrument, mechanism: &dyn Mechanism) -> Self {
         Losses {
-            instrument: instrument.without_outlines(),
+            instrument: instrument.clone().without_outlines(),
             pins: vec![PinLoss::default(); instrument.bodies.len()],
             contacts: vec![ContactLoss::default(); instrument.zones.len()],
             strings_before: lost_in_strings(mechanism),
@@ -189,7 +189,7 @@ impl LossRecorder {
     #[must_use]
     pub fn new(instrument: &Instrument) -> Self {
         LossRecorder {
-            instrument: instrument.without_outlines(),
+            instrument: instrument.clone().without_outlines(),
             losses: None,
             rows: vec![Vec::new(); instrument.bodies.len() + instrument.zones.len() + YIELDING],
         }

@@ -40,7 +40,7 @@ impl Reactions {
     pub fn open(instrument: &Instrument, mechanism: &dyn Mechanism) -> Self {
         let count = instrument.bodies.len();
         let mut reactions = Reactions {
-            instrument: instrument.without_outlines(),
+            instrument: instrument.clone().without_outlines(),
             motion: Motion::still(instrument, mechanism),
             pin_n: vec![[0.0; 2]; count],
             moment_n_m: vec![0.0; count],
@@ -192,7 +192,7 @@ impl ReactionRecorder {
     pub fn new(instrument: &Instrument) -> Self {
         let series = |name: &String| PinSeries { name: name.clone(), ..PinSeries::default() };
         ReactionRecorder {
-            instrument: instrument.without_outlines(),
+            instrument: instrument.clone().without_outlines(),
             reactions: None,
             bodies: instrument.bodies.iter().map(|body| series(&body.name)).collect(),
             pending: None,

@@ -67,6 +67,6 @@ fn what_is_in_range_is_taken() {
     assert_ne!(edited, own);
     edited.edit(|fields| fields.springs[0].body = before).unwrap();
     assert_eq!(edited, own);
-    let bare = own.without_outlines();
+    let bare = own.clone().without_outlines();
     assert!(bare.parts.is_empty() && bare.digest() == own.digest());
 }
