@@ -34,3 +34,10 @@ def test_recordings_are_made_by_their_script(stroke: str, made_anew: Path) -> No
     assert kept.shape[0] > (800 if stroke.startswith("struck") else 1000)
     # The last digit that is written may round otherwise.
     np.testing.assert_allclose(made, kept, atol=0.011)
+
+
+@pytest.mark.parametrize("script", ["releases", "hammers"])
+def test_times_are_taken_by_their_script(script: str, tmp_path: Path) -> None:
+    subprocess.run([sys.executable, RECORDINGS / f"{script}.py", tmp_path], check=True)
+    name = f"kawai-kg-3c-{script}.csv"
+    assert (tmp_path / name).read_text() == (RECORDINGS / name).read_text()
