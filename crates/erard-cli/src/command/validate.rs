@@ -15,7 +15,7 @@ use erard_figures::Picture;
 use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_picture};
 use erard_workshop::sample::unless_interrupted;
 use erard_workshop::validate::{
-    Drive, GroupResult, Published, PublishedRow, SimulatedPress, Tally, Validation, Verdict, validate,
+    BesideGrands, Drive, GroupResult, Published, PublishedRow, SimulatedPress, Tally, Validation, Verdict, validate,
 };
 use serde::Serialize;
 
@@ -99,6 +99,7 @@ impl Validate {
         print_line!(session);
         print_groups(session, &report.groups);
         print_table(session, &report.rows);
+        print_grands(session, &report.grands);
         print_line!(session, "{written}");
         let mut answer = Answer::of(&report)?.files(&written);
         if let Some(bands) = &bands {
@@ -181,11 +182,52 @@ struct GroupReport {
     /// Rows whose band is wider than what was published.
     undecided: usize,
     z: Option<f64>,
+    z_set: Option<f64>,
 }
 
 impl From<GroupResult> for GroupReport {
-    fn from(GroupResult { name, title, set, predicted, z }: GroupResult) -> Self {
-        GroupReport { name, title, predicted: predicted.into(), set: set.into(), undecided: 0, z }
+    fn from(GroupResult { name, title, set, predicted, z, z_set }: GroupResult) -> Self {
+        GroupReport { name, title, predicted: predicted.into(), set: set.into(), undecided: 0, z, z_set }
+    }
+}
+
+/// Timing at a level, beside published grands.
+#[derive(Debug, Serialize)]
+struct GrandsReport {
+    touch: &'static str,
+    hammer_speed_m_per_s: f64,
+    travel_ms: Option<f64>,
+    travel_of_hand_ms: Option<f64>,
+    key_bottom_ms: Option<f64>,
+    free_flight_ms: Option<f64>,
+    grands: Vec<GrandReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct GrandReport {
+    grand: &'static str,
+    travel_ms: f64,
+    key_bottom_ms: f64,
+    free_flight_ms: f64,
+}
+
+impl From<&BesideGrands> for GrandsReport {
+    fn from(one: &BesideGrands) -> Self {
+        let grand = |&(grand, [travel_ms, key_bottom_ms, free_flight_ms]): &(&'static str, [f64; 3])| GrandReport {
+            grand,
+            travel_ms,
+            key_bottom_ms,
+            free_flight_ms,
+        };
+        GrandsReport {
+            touch: one.touch.name(),
+            hammer_speed_m_per_s: one.speed_m_per_s,
+            travel_ms: one.travel_ms,
+            travel_of_hand_ms: one.travel_of_hand_ms,
+            key_bottom_ms: one.key_bottom_ms,
+            free_flight_ms: one.free_flight_ms,
+            grands: one.grands.iter().map(grand).collect(),
+        }
     }
 }
 
@@ -203,6 +245,7 @@ struct Report<'a> {
     rows: Vec<RowReport<'a>>,
     constant_force: Vec<PressReport>,
     pressed: Vec<PressReport>,
+    grands: Vec<GrandsReport>,
 }
 
 impl<'a> Report<'a> {
@@ -244,6 +287,7 @@ impl<'a> Report<'a> {
             open: count(&[OPEN]),
             constant_force: validation.constant_force.iter().map(press).collect(),
             pressed: validation.pressed.iter().map(press).collect(),
+            grands: validation.grands.iter().map(Into::into).collect(),
             rows,
         }
     }
@@ -372,12 +416,39 @@ fn print_groups(session: &mut Session, groups: &[GroupReport]) {
         |tally: TallyReport| if tally.judged == 0 { "-".into() } else { format!("{}/{}", tally.met, tally.judged) };
     let banded = groups.iter().any(|group| group.undecided > 0);
     let cells = groups.iter().map(|group| {
-        let z = group.z.map_or_else(|| "-".into(), |z| format!("{z:.2}"));
+        let z = |z: Option<f64>| z.map_or_else(|| "-".into(), |z| format!("{z:.2}"));
         let undecided = banded.then(|| group.undecided.to_string());
-        [group.title.clone(), share(group.predicted), share(group.set)].into_iter().chain(undecided).chain([z])
+        [group.title.clone(), share(group.predicted), z(group.z), share(group.set), z(group.z_set)]
+            .into_iter()
+            .chain(undecided)
     });
     let undecided = banded.then_some("cannot tell");
-    print_line!(session, "{}", Table::of(["", "predicted", "set"].into_iter().chain(undecided).chain(["z"]), cells));
+    print_line!(session, "{}", Table::of(["", "predicted", "z", "set", "z"].into_iter().chain(undecided), cells));
+}
+
+/// Timing beside three grands, at every level.
+fn print_grands(session: &mut Session, levels: &[GrandsReport]) {
+    let Some(first) = levels.first() else { return };
+    let names: Vec<&str> = first.grands.iter().map(|one| one.grand).collect();
+    let one = |ms: Option<f64>| ms.map_or_else(|| "-".into(), |ms| format!("{ms:.1}"));
+    let all = |level: &GrandsReport, get: fn(&GrandReport) -> f64, decimals: usize| {
+        level.grands.iter().map(|grand| format!("{:.decimals$}", get(grand))).collect::<Vec<_>>().join(" / ")
+    };
+    let cells = levels.iter().map(|level| {
+        [
+            format!("{} {}", level.touch, level.hammer_speed_m_per_s),
+            one(level.travel_of_hand_ms),
+            one(level.travel_ms),
+            all(level, |grand| grand.travel_ms, 0),
+            one(level.key_bottom_ms),
+            all(level, |grand| grand.key_bottom_ms, 1),
+            one(level.free_flight_ms),
+            all(level, |grand| grand.free_flight_ms, 1),
+        ]
+    });
+    print_line!(session, "  Timing in ms by the hammer's speed in m/s, beside {}:", names.join(" / "));
+    let heads = ["", "from hand", "travel", "grands", "key bottom", "grands", "free flight", "grands"];
+    print_line!(session, "{}", Table::of(heads, cells));
 }
 
 fn print_table(session: &mut Session, rows: &[RowReport]) {

@@ -5,14 +5,17 @@
 //! against loudness, under constant forces and under a hand, and pressed against struck keys. [`validate`] compares
 //! both, and reports misses as misses.
 
+mod grands;
 mod keys;
 mod presses;
 mod published;
 mod release;
+mod repeats;
 mod strings;
 mod touches;
 mod values;
 
+pub use grands::{BesideGrands, Timing};
 pub use presses::{Drive, Loudness, SimulatedPress, measure as loudness};
 pub use published::{Published, PublishedError, PublishedKind, PublishedRow};
 pub use strings::Skipped;
@@ -49,6 +52,8 @@ pub struct GroupResult {
     /// Root mean square of z over its predicted rows with two ends: distance from the middle of the range over half its
     /// width, 1 at its ends.
     pub z: Option<f64>,
+    /// The same over its set rows.
+    pub z_set: Option<f64>,
 }
 
 /// Verdict on a simulated value against a published one.
@@ -105,12 +110,15 @@ pub struct Validation {
     pub constant_force: Vec<SimulatedPress>,
     /// Presses by hands, soft to loud.
     pub pressed: Vec<SimulatedPress>,
+    /// Timing beside three grands: pressed, soft to loud, then struck.
+    pub grands: Vec<BesideGrands>,
 }
 
 /// Shares of the work: the technician's sheet, and the work after it.
 const SHEET: f64 = 0.5;
 const PRESSES: f64 = 0.25;
 const TOUCHES: f64 = 0.05;
+const GRANDS: f64 = 0.05;
 const KEYS: f64 = 0.05;
 
 /// Simulates all values needed by the table. `keyboard`: the one whose middle C is the instrument, for rows about other
@@ -127,13 +135,17 @@ pub fn validate(
     let sheet = measure(instrument, &mut |share| progress(SHEET * share))?;
     let loudness = presses::measure(instrument, &mut |share| progress(SHEET + PRESSES * share))?;
     let touches = touches::measure(instrument, &mut |share| progress(SHEET + PRESSES + TOUCHES * share))?;
-    let release = release::measure(instrument)?;
     let before = SHEET + PRESSES + TOUCHES;
+    let releases = release::measure(instrument, &mut |_| progress(before))?;
+    let grands = grands::measure(instrument, &mut |share| progress(before + GRANDS * share))?;
+    let before = before + GRANDS;
+    let repeats = repeats::measure(instrument, &mut |_| progress(before))?;
     let keys = keys::measure(keyboard, &mut |share| progress(before + KEYS * share))?;
     let before = before + KEYS;
     let strung = Strung::measure(instrument, keyboard, &mut |share| progress(before + (1.0 - before) * share))?;
     let flex = Flex { key_m_per_n: key_flex_m_per_n(instrument), shank_m_per_n: shank_flex_m_per_n(instrument) };
-    let found = Simulated { sheet, loudness, touches, release, flex };
+    let key_friction_weight_g = values::key_friction_weight_g(instrument);
+    let found = Simulated { sheet, loudness, touches, releases, grands, repeats, flex, key_friction_weight_g };
     let value = |name: &str| values::value(name, &found);
     let verdict = |row: &PublishedRow| {
         let Some(name) = row.measure.as_deref() else { return Verdict::Silent };
@@ -151,6 +163,7 @@ pub fn validate(
         beside,
         constant_force: found.loudness.constant_force,
         pressed: found.loudness.by_hand.pressed,
+        grands: found.grands,
     })
 }
 
@@ -159,13 +172,14 @@ impl Validation {
     #[must_use]
     pub fn groups(&self, published: &Published) -> Vec<GroupResult> {
         let mut groups: Vec<GroupResult> = Vec::new();
-        let mut squares: Vec<Vec<f64>> = Vec::new();
+        // Of predicted rows, and of set ones.
+        let mut squares: Vec<[Vec<f64>; 2]> = Vec::new();
         for (row, verdict) in published.rows.iter().zip(&self.verdicts) {
             let at = groups.iter().position(|group| group.name == row.group).unwrap_or_else(|| {
                 let title = published.groups.get(&row.group).cloned().unwrap_or_default();
                 let [set, predicted] = [Tally::default(); 2];
-                groups.push(GroupResult { name: row.group.clone(), title, set, predicted, z: None });
-                squares.push(Vec::new());
+                groups.push(GroupResult { name: row.group.clone(), title, set, predicted, z: None, z_set: None });
+                squares.push(Default::default());
                 groups.len() - 1
             });
             let tally = match row.kind {
@@ -175,12 +189,13 @@ impl Validation {
             tally.met += usize::from(matches!(verdict, Verdict::Met { .. }));
             tally.judged +=
                 usize::from(matches!(verdict, Verdict::Met { .. } | Verdict::Missed { .. } | Verdict::Absent));
-            if row.kind == PublishedKind::Predicted {
-                squares[at].extend(row.z(verdict).map(|z| z * z));
-            }
+            squares[at][usize::from(row.kind == PublishedKind::Set)].extend(row.z(verdict).map(|z| z * z));
         }
-        for (group, squares) in groups.iter_mut().zip(&squares) {
-            group.z = (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt());
+        let root = |squares: &[f64]| {
+            (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+        };
+        for (group, [predicted, set]) in groups.iter_mut().zip(&squares) {
+            (group.z, group.z_set) = (root(predicted), root(set));
         }
         groups
     }

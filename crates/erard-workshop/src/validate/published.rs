@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use thiserror::Error;
 
+use super::grands::Curves;
 use super::{Verdict, values};
 use crate::measure::norms::MIDDLE_C;
 use crate::measure::usual::usual;
@@ -16,18 +17,26 @@ const BUILTIN: &str = include_str!("../../validation/published.toml");
 const FORMAT: &str = "erard-published/2";
 
 /// The table.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Published {
-    /// Format, `erard-published/2`.
-    pub format: String,
     /// Groups of rows by name, in words. Groups are independent of one another; rows of one group are not.
     pub groups: BTreeMap<String, String>,
     /// Sources by name.
     pub sources: BTreeMap<String, Source>,
-    /// The rows.
-    #[serde(rename = "row")]
+    /// The rows, those of curves after those that are written one by one.
     pub rows: Vec<PublishedRow>,
+}
+
+/// The table as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Written {
+    format: String,
+    groups: BTreeMap<String, String>,
+    sources: BTreeMap<String, Source>,
+    row: Vec<PublishedRow>,
+    #[serde(default)]
+    curves: Vec<Curves>,
 }
 
 /// Whether a row tests the model.
@@ -124,10 +133,15 @@ impl Published {
     /// # Errors
     /// See [`PublishedError`].
     pub fn parse(text: &str) -> Result<Self, PublishedError> {
-        let mut table: Published = from_toml(text).map_err(|error| PublishedError::Syntax(error.in_line(text)))?;
-        if table.format != FORMAT {
-            return Err(PublishedError::Syntax(format!("`format` is `{}`; expected `{FORMAT}`", table.format)));
+        let written: Written = from_toml(text).map_err(|error| PublishedError::Syntax(error.in_line(text)))?;
+        if written.format != FORMAT {
+            return Err(PublishedError::Syntax(format!("`format` is `{}`; expected `{FORMAT}`", written.format)));
         }
+        let Written { groups, sources, row: mut rows, curves, .. } = written;
+        for curves in &curves {
+            rows.extend(curves.rows().map_err(|(row, what)| PublishedError::Row { row, what })?);
+        }
+        let mut table = Published { groups, sources, rows };
         for row in table.rows.iter_mut().filter(|row| row.usual) {
             row.take_usual()?;
         }

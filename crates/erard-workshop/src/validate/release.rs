@@ -1,57 +1,202 @@
-//! A released key: time to return home, and rebound from its felt.
+//! A released key, let go and led up: time home, speed, humps after it has landed, and its hammer coming home.
 //!
-//! Recorded releases also give these two numbers (`recordings/releases.py`).
+//! Recorded releases give the same numbers (`recordings/releases.py`, `recordings/hammers.py`). Their sensor sat behind
+//! the balance pin and was calibrated at the front, so the model's travel is that of the key's back, over the lever
+//! ratio.
 
 use moreau::Settings;
 
+use crate::measure::MeasureError;
+use erard::Progress;
 use erard::instrument::Instrument;
-use erard::player;
-use erard::run::{Run, Setup, SimulationError, simulate};
+use erard::player::{Action, Input};
+use erard::stroke::{HandStroke, Muscle};
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
-/// Force of the finger, N; time until which it holds, and time in which it vanishes, s.
+/// Force with which the key is held, N; time until which it is, and time in which a key let go loses it, s.
 const HELD_N: f64 = 5.0;
 const HELD_S: f64 = 0.4;
 const GONE_S: f64 = 2e-3;
-/// Time after which recording ends, s.
-const FOLLOWED_S: f64 = 0.3;
+/// A hand that leads up: rate of its force, N/s, and time in which the force vanishes, s.
+const RISE_N_S: f64 = 100.0;
+const LEAVES_S: f64 = 0.03;
+/// Time after which recording ends, s: the hammer has bounced twice.
+const FOLLOWED_S: f64 = 0.45;
+/// Place of the sensor behind the balance pin, m: at the damper. An estimate; without a lift of the key it has no effect.
+const SENSOR_M: f64 = 0.235;
 /// Rise from the held position at which a key has left it, m, and travel below which it is home, m.
 const LEFT_M: f64 = 1e-3;
 const HOME_M: f64 = 0.5e-3;
+/// Way over which the speed upward is taken, m below rest.
+const SPEED_M: [f64; 2] = [9e-3, 4e-3];
+/// A hump lies above the first of these and reaches the second, m; its top lasts while the key is within the third of
+/// its largest.
+const HUMP_M: f64 = 0.2e-3;
+const TOP_M: f64 = 0.3e-3;
+const FLAT_M: f64 = 0.1e-3;
+/// Humps that begin later after the key has landed do not count, s.
+const HUMPS_S: f64 = 0.05;
 
-/// A release; `None` if the key does not come home.
+/// A hump of the key after it has landed: time of its top after that, s, and height, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Hump {
+    pub top_s: f64,
+    pub height_m: f64,
+}
+
+/// A release. SI units; `None` for what did not happen.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Release {
-    /// Time from leaving the held position to home, s.
+    /// Time from leaving the held position to home.
     pub home_s: Option<f64>,
-    /// Largest travel between coming home and being home again, m.
+    /// Speed upward between [`SPEED_M`].
+    pub speed_m_per_s: Option<f64>,
+    /// Largest travel between coming home and being home again.
     pub rebound_m: Option<f64>,
+    /// Humps after landing; `None` if the key does not come home.
+    pub humps: Option<Vec<Hump>>,
+    /// How long the hammer is below its place of rest as it comes home, how long above, below and above again.
+    pub hammer_s: Option<[f64; 4]>,
 }
 
-pub(super) fn measure(instrument: &Instrument) -> Result<Release, SimulationError> {
-    let force = |t: f64| HELD_N * (1.0 - (t - HELD_S) / GONE_S).clamp(0.0, 1.0);
-    let setup = Setup {
-        settings: Settings::new(STEP_S),
-        record_every: Some(1),
-        ledger: false,
-        ..Setup::new(HELD_S + FOLLOWED_S)
-    };
-    Ok(Release::of(&simulate(instrument, &player::force(force), &setup, &mut |_| true)?))
+/// The two kinds of release.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Releases {
+    pub let_go: Release,
+    pub led_up: Release,
 }
 
-impl Release {
-    fn of(run: &Run) -> Self {
-        let held = run.time_s.partition_point(|&t| t < HELD_S);
-        let travel = &run.key_m[held..];
-        let above = travel[0] - LEFT_M;
-        let left = travel.iter().position(|key| *key < above);
-        let home = left.and_then(|left| Some(left + travel[left..].iter().position(|key| *key < HOME_M)?));
+pub(super) fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Releases, MeasureError> {
+    let let_go = |t: f64| Input::Force(HELD_N * (1.0 - (t - HELD_S) / GONE_S).clamp(0.0, 1.0));
+    let muscle = Muscle::Rises { rate_n_s: RISE_N_S, height_n: HELD_N };
+    let hand = HandStroke { muscle, ..HandStroke::ramped(RISE_N_S) }.leaving(HELD_S, LEAVES_S);
+    let led_up = |t: f64| hand.hand.input(&hand.input(t)).unwrap_or(Input::Free);
+    Ok(Releases {
+        let_go: Course::of(instrument, None, &let_go, progress)?.release(),
+        led_up: Course::of(instrument, Some(&hand), &led_up, progress)?.release(),
+    })
+}
+
+/// Course of a release from [`HELD_S`] on, one row a step.
+struct Course {
+    /// Travel of the key's back, at the front, m.
+    key_m: Vec<f64>,
+    /// Rise of the hammer, m.
+    hammer_m: Vec<f64>,
+}
+
+impl Course {
+    fn of(
+        instrument: &Instrument,
+        hand: Option<&HandStroke>,
+        input: &dyn Fn(f64) -> Input,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self, MeasureError> {
+        let settings = Settings::new(STEP_S);
+        let theta = settings.theta;
+        let mut action = Action::with_progress(instrument, settings, progress)?;
+        if let Some(HandStroke { hand, .. }) = hand {
+            action.place_hand(hand.start_m, hand.start_m_per_s);
+        }
+        let back = instrument.roles.key.map(|key| instrument.first_piece(key));
+        let at =
+            |action: &Action| action.point(back, [SENSOR_M, 0.0])[1] * (instrument.roles.key_front_m[0] / -SENSOR_M);
+        let rest_m = at(&action);
+        let mut course = Course { key_m: Vec::new(), hammer_m: Vec::new() };
+        let mut step = 0_u64;
+        action.play(progress, &mut |action| {
+            let t = step as f64 * STEP_S;
+            if t >= HELD_S {
+                course.key_m.push(at(action) - rest_m);
+                course.hammer_m.push(action.reading().hammer_rise_m);
+            }
+            step += 1;
+            (t < HELD_S + FOLLOWED_S).then(|| input(t + theta * STEP_S))
+        })?;
+        Ok(course)
+    }
+
+    fn release(&self) -> Release {
+        let key = &self.key_m;
+        let from =
+            |row: usize, holds: &dyn Fn(f64) -> bool| Some(row + key.get(row..)?.iter().position(|y| holds(*y))?);
+        let held_m = key.first().copied().unwrap_or(0.0);
+        let left = from(0, &|y| y < held_m - LEFT_M);
+        let home = left.and_then(|left| from(left, &|y| y < HOME_M));
         let rebound_m = home.map(|home| {
-            let back = travel[home..].iter().skip_while(|key| **key < HOME_M).take_while(|key| **key >= HOME_M);
+            let back = key[home..].iter().skip_while(|y| **y < HOME_M).take_while(|y| **y >= HOME_M);
             back.copied().fold(0.0, f64::max)
         });
-        let home_s = left.zip(home).map(|(left, home)| run.time_s[held + home] - run.time_s[held + left]);
-        Release { home_s, rebound_m }
+        Release {
+            home_s: left.zip(home).map(|(left, home)| (home - left) as f64 * STEP_S),
+            speed_m_per_s: self.speed_m_per_s(),
+            rebound_m,
+            humps: home.map(|home| humps(&key[home..])),
+            hammer_s: self.hammer_s(),
+        }
+    }
+
+    fn speed_m_per_s(&self) -> Option<f64> {
+        let [low_m, high_m] = SPEED_M;
+        let left = self.key_m.iter().rposition(|y| *y >= low_m)? + 1;
+        let up = left + self.key_m[left..].iter().position(|y| *y < high_m)?;
+        let instant = |row: usize, at_m: f64| {
+            let [before, after] = [self.key_m[row - 1], self.key_m[row]];
+            (row as f64 - 1.0 + (before - at_m) / (before - after)) * STEP_S
+        };
+        Some((low_m - high_m) / (instant(up, high_m) - instant(left, low_m)))
+    }
+
+    /// Times between the first five instants at which the hammer passes the place where it comes to rest.
+    fn hammer_s(&self) -> Option<[f64; 4]> {
+        let rest_m = self.hammer_m.last()?;
+        let above = |row: usize| self.hammer_m[row] > *rest_m;
+        let passes = (1..self.hammer_m.len()).filter(|row| above(*row) != above(row - 1));
+        let rows: Vec<usize> = passes.take(5).collect();
+        let [a, b, c, d, e] = rows[..] else { return None };
+        Some([b - a, c - b, d - c, e - d].map(|rows| rows as f64 * STEP_S))
+    }
+}
+
+/// Humps of a key that has landed in the first row.
+fn humps(key_m: &[f64]) -> Vec<Hump> {
+    let mut found = Vec::new();
+    let mut row = key_m.iter().position(|y| *y <= HUMP_M).unwrap_or(key_m.len());
+    while row < key_m.len() && (row as f64) * STEP_S < HUMPS_S {
+        let rows = key_m[row..].iter().take_while(|y| **y > HUMP_M).count();
+        let hump = &key_m[row..row + rows];
+        let height_m = hump.iter().copied().fold(0.0, f64::max);
+        if height_m >= TOP_M {
+            let is_top = |y: &f64| *y >= height_m - FLAT_M;
+            let first = hump.iter().position(is_top).unwrap_or(0);
+            let last = hump.iter().rposition(is_top).unwrap_or(0);
+            found.push(Hump { top_s: (row as f64 + 0.5 * (first + last) as f64) * STEP_S, height_m });
+        }
+        row += rows + 1;
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two sines are two humps with their tops in the middle; one that stays under the sensor's resolution is none.
+    #[test]
+    fn humps_are_counted() {
+        let row = |n: usize| n as f64 * STEP_S;
+        let bow = |n: usize, from_s: f64, height_m: f64| {
+            let share = (row(n) - from_s) / 0.02;
+            if (0.0..1.0).contains(&share) { height_m * (std::f64::consts::PI * share).sin() } else { 0.0 }
+        };
+        let key: Vec<f64> =
+            (0..2000).map(|n| bow(n, 0.0, 0.5e-3) + bow(n, 0.03, 1.5e-3) + bow(n, 0.06, 2e-3)).collect();
+        let [first, second] = humps(&key)[..] else { panic!("{:?}", humps(&key)) };
+        assert!((first.top_s - 0.01).abs() < 1e-4 && (first.height_m - 0.5e-3).abs() < 1e-6, "{first:?}");
+        assert!((second.top_s - 0.04).abs() < 1e-4 && (second.height_m - 1.5e-3).abs() < 1e-6, "{second:?}");
+        assert!(humps(&vec![0.19e-3; 1000]).is_empty());
+        let low: Vec<f64> = (0..2000).map(|n| bow(n, 0.0, 0.25e-3)).collect();
+        assert!(humps(&low).is_empty());
     }
 }

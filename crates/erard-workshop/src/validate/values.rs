@@ -1,10 +1,13 @@
 //! Simulated values by the names in the table's rows. Each name ends with its unit.
 
+use super::grands::{self, BesideGrands};
 use super::presses::{Loudness, SimulatedPress};
-use super::release::Release;
+use super::release::{Hump, Releases};
+use super::repeats::Repeats;
 use super::touches::Touches;
 use crate::measure::flex::POUND_N;
 use crate::measure::{LoopNumbers, Sheet};
+use erard::instrument::Instrument;
 
 const MS_PER_S: f64 = 1e3;
 const MM_PER_M: f64 = 1e3;
@@ -13,11 +16,12 @@ const KG_N: f64 = 9.81;
 
 /// Iterates over all names for rows.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    NAMES.into_iter().chain(super::strings::NAMES).chain(super::keys::NAMES)
+    let grands = super::grands::NAMES.iter().map(String::as_str);
+    NAMES.into_iter().chain(super::strings::NAMES).chain(super::keys::NAMES).chain(grands)
 }
 
 /// Names of values without strings.
-const NAMES: [&str; 57] = [
+const NAMES: [&str; 70] = [
     "down_weight_g",
     "up_weight_g",
     "balance_weight_g",
@@ -73,8 +77,21 @@ const NAMES: [&str; 57] = [
     "struck_force_p_N",
     "struck_force_mf_N",
     "struck_force_ff_N",
-    "release_rebound_mm",
-    "release_home_ms",
+    "let_go_home_ms",
+    "let_go_speed_m_per_s",
+    "let_go_humps",
+    "let_go_first_ms",
+    "let_go_first_mm",
+    "let_go_second_ms",
+    "let_go_second_mm",
+    "led_up_home_ms",
+    "led_up_rebound_mm",
+    "hammer_sinks_ms",
+    "hammer_bounces_ms",
+    "hammer_bounces_again_ms",
+    "least_lift_share",
+    "least_lift_without_lever_share",
+    "key_friction_weight_g",
 ];
 
 /// Compliance of parts on the bench, m/N; `None` without the part.
@@ -92,8 +109,12 @@ pub(super) struct Simulated {
     pub sheet: Sheet,
     pub loudness: Loudness,
     pub touches: Touches,
-    pub release: Release,
+    pub releases: Releases,
+    pub grands: Vec<BesideGrands>,
+    pub repeats: Repeats,
     pub flex: Flex,
+    /// Friction weight of the key alone, g.
+    pub key_friction_weight_g: Option<f64>,
 }
 
 /// Distance from the damper's start, and from the bottom, within which the damper's share does not count, mm: let-off
@@ -113,11 +134,22 @@ fn damper_resistance(sheet: &Sheet) -> Option<f64> {
     Some(mean(with)? - mean(&sheet.hysteresis)?)
 }
 
+/// Friction weight of the key alone, stack off, at its front, g: the dry torque of its pins, which is what half the
+/// difference of its down-weight and its up-weight reads. `None` without a key.
+pub(super) fn key_friction_weight_g(instrument: &Instrument) -> Option<f64> {
+    let pinned = &instrument.bodies[instrument.first_piece(instrument.roles.key?)];
+    let front_m = instrument.roles.key_front_m[0].abs();
+    Some(1e3 * pinned.friction_torque_n_m / (front_m * instrument.gravity_m_per_s2))
+}
+
 /// Value of a name, in the unit that ends it; `None` if the event did not happen or the name is unknown.
 pub(super) fn value(name: &str, found: &Simulated) -> Option<f64> {
-    let Simulated { sheet, loudness, touches, release, flex } = found;
+    let Simulated { sheet, loudness, touches, releases, grands, repeats, flex, key_friction_weight_g } = found;
     let ms = |seconds: Option<f64>| seconds.map(|s| s * MS_PER_S);
     let of = |press: &Option<SimulatedPress>, get: fn(&SimulatedPress) -> Option<f64>| press.as_ref().and_then(get);
+    let mm = |metres: Option<f64>| metres.map(|m| m * MM_PER_M);
+    let Releases { let_go, led_up } = releases;
+    let hump = |which: usize, get: fn(&Hump) -> f64| let_go.humps.as_ref()?.get(which).map(get);
     let l = loudness;
     let hand = &l.by_hand;
     match name {
@@ -174,10 +206,23 @@ pub(super) fn value(name: &str, found: &Simulated) -> Option<f64> {
         "struck_force_p_N" => of(&hand.struck[1], |b| Some(b.peak_n)),
         "struck_force_mf_N" => of(&hand.struck[2], |b| Some(b.peak_n)),
         "struck_force_ff_N" => of(&hand.struck[3], |b| Some(b.peak_n)),
-        "release_rebound_mm" => release.rebound_m.map(|m| m * MM_PER_M),
-        "release_home_ms" => ms(release.home_s),
+        "let_go_home_ms" => ms(let_go.home_s),
+        "let_go_speed_m_per_s" => let_go.speed_m_per_s,
+        "let_go_humps" => let_go.humps.as_ref().map(|humps| humps.len() as f64),
+        "let_go_first_ms" => ms(hump(0, |hump| hump.top_s)),
+        "let_go_first_mm" => mm(hump(0, |hump| hump.height_m)),
+        "let_go_second_ms" => ms(hump(1, |hump| hump.top_s)),
+        "let_go_second_mm" => mm(hump(1, |hump| hump.height_m)),
+        "led_up_home_ms" => ms(led_up.home_s),
+        "led_up_rebound_mm" => mm(led_up.rebound_m),
+        "hammer_sinks_ms" => ms(led_up.hammer_s.map(|[sinks, ..]| sinks)),
+        "hammer_bounces_ms" => ms(led_up.hammer_s.map(|[_, bounces, ..]| bounces)),
+        "hammer_bounces_again_ms" => ms(led_up.hammer_s.map(|[.., again]| again)),
         "key_flex_mm_per_kg" => Some(flex.key_m_per_n? * KG_N * MM_PER_M),
         "shank_flex_mm_per_lb" => Some(flex.shank_m_per_n? * POUND_N * MM_PER_M),
-        _ => None,
+        "least_lift_share" => repeats.with_lever,
+        "least_lift_without_lever_share" => repeats.without_lever,
+        "key_friction_weight_g" => *key_friction_weight_g,
+        other => grands::value(other, grands).flatten(),
     }
 }

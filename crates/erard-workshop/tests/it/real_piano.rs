@@ -112,19 +112,57 @@ fn quantile(values: &mut [f64], share: f64) -> f64 {
     values[below] + (at - below as f64) * (values[(below + 1).min(values.len() - 1)] - values[below])
 }
 
-/// The ranges of the rows on releases are the 10 to 90 % of the recorded releases used for judging.
+/// Values of a column in the rows that hold, by the heading of a recorded table.
+fn column(text: &str, of: &str, holds: &[(&str, &str)]) -> Vec<f64> {
+    let heading: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let at = |name: &str| heading.iter().position(|known| *known == name).unwrap();
+    let rows = cells(text).filter(|row| holds.iter().all(|(name, value)| row[at(name)] == *value));
+    rows.map(|row| row[at(of)].parse().unwrap()).collect()
+}
+
+/// The ranges of the rows on releases and on hammers that come home are made of the recordings that judge, by the rules
+/// of `validation/README.md`: the span, or 10 to 90 %, and what the recording does not resolve.
 #[test]
-fn recorded_releases_give_the_published_ranges() {
-    let text = recorded("kawai-kg-3c-releases.csv");
+fn recordings_give_the_published_ranges() {
+    let (releases, hammers) = (recorded("kawai-kg-3c-releases.csv"), recorded("kawai-kg-3c-hammers.csv"));
     let published = Published::builtin();
-    for (name, column, digits) in [("release_home", 4, 1.0), ("release_rebound", 5, 100.0)] {
-        // Numbers above 100 came later, from another file.
-        let judges = cells(&text).filter(|row| row[2] == "judge" && row[0].parse::<u32>().unwrap() <= 100);
-        let mut values: Vec<f64> = judges.map(|row| row[column].parse().unwrap()).collect();
-        assert_eq!(values.len(), 21);
+    let check = |name: &str, [low, high]: [f64; 2], unresolved: [f64; 2], digits: f64| {
         let row = published.rows.iter().find(|row| row.name == name).unwrap();
-        let [low, high] = [0.1, 0.9].map(|share| (quantile(&mut values, share) * digits).round() / digits);
-        assert_eq!((row.at_least, row.at_most), (Some(low), Some(high)), "{name}");
+        let ends = [low - unresolved[0], high + unresolved[1]].map(|end| (end * digits).round() / digits);
+        assert_eq!([row.at_least.unwrap(), row.at_most.unwrap()], ends, "{name}");
+    };
+    let span = |values: &[f64]| {
+        [values.iter().copied().fold(f64::INFINITY, f64::min), values.iter().copied().fold(0.0, f64::max)]
+    };
+    let of = |name: &str, kind: &str| column(&releases, name, &[("role", "judge"), ("kind", kind)]);
+    for (row, name, unresolved, digits) in [
+        ("let_go_home", "home_ms", 0.5, 10.0),
+        ("let_go_humps", "humps", 0.5, 10.0),
+        ("let_go_first_top", "first_ms", 1.0, 10.0),
+        ("let_go_second_top", "second_ms", 1.0, 10.0),
+        ("let_go_first_height", "first_mm", 0.2, 100.0),
+        ("let_go_second_height", "second_mm", 0.2, 100.0),
+    ] {
+        let values = of(name, "let go");
+        assert_eq!(values.len(), 3);
+        check(row, span(&values), [unresolved; 2], digits);
+    }
+    let speed = span(&of("speed_m_per_s", "let go"));
+    check("let_go_speed", speed, speed.map(|end| 0.05 * end), 1000.0);
+    for (row, name, unresolved, digits) in
+        [("led_up_home", "home_ms", 0.5, 10.0), ("led_up_rebound", "rebound_mm", 0.2, 100.0)]
+    {
+        let mut values = of(name, "led up");
+        assert_eq!(values.len(), 20);
+        let most = [0.1, 0.9].map(|share| (quantile(&mut values, share) * digits).round() / digits);
+        check(row, most, [unresolved; 2], digits);
+    }
+    for (row, name) in
+        [("hammer_sinks", "sinks_ms"), ("hammer_bounces", "bounces_ms"), ("hammer_bounces_again", "bounces_again_ms")]
+    {
+        let values = column(&hammers, name, &[("role", "judge")]);
+        assert_eq!(values.len(), 6);
+        check(row, span(&values), [1.0; 2], 10.0);
     }
 }
 

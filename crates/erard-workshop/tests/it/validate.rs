@@ -115,8 +115,15 @@ fn meets(grand: usize) {
     } else {
         let at_c4 = ["string_peak_c4", "hammer_return_pp", "hammer_return_mf", "hammer_return_ff"];
         assert_eq!(open, at_c4, "{name}");
-        // Other keys' masses need a keyboard.
-        let other_keys = ["equivalent_mass_bass", "equivalent_mass_treble"].into_iter().filter(|_| keyboard.is_none());
+        // Other keys' friction and masses need a keyboard.
+        let other_keys = [
+            "friction_weight_bass",
+            "friction_weight_treble",
+            "friction_weight_falls",
+            "equivalent_mass_bass",
+            "equivalent_mass_treble",
+        ];
+        let other_keys = other_keys.into_iter().filter(|_| keyboard.is_none());
         let expected: Vec<&str> = other_keys.chain(of_strings.filter(|row| !at_c4.contains(row))).collect();
         assert_eq!(skipped, expected, "{name}");
     }
@@ -149,14 +156,18 @@ fn validate_strings_alone(grand: &Instrument, published: &Published) -> Vec<(&'s
     keys.into_iter().zip(found.verdicts).collect()
 }
 
-/// Every value that can be simulated is used once; every source is used.
+/// Every value that can be simulated is used once, or by one set row and one predicted row, which other data make; every
+/// source is used.
 #[test]
 fn the_table_uses_all_it_has() {
     let published = Published::builtin();
     for name in names() {
         let asks =
             |row: &&PublishedRow| [&row.measure, &row.beside].into_iter().any(|asked| asked.as_deref() == Some(name));
-        assert_eq!(published.rows.iter().filter(asks).count(), 1, "{name}");
+        let of = |kind: PublishedKind| published.rows.iter().filter(asks).filter(|row| row.kind == kind).count();
+        let [set, predicted] = [PublishedKind::Set, PublishedKind::Predicted].map(of);
+        let is_chosen_travel = name.starts_with("travel_") && set == 1;
+        assert_eq!(if is_chosen_travel { predicted } else { set + predicted }, 1, "{name}");
     }
     for source in published.sources.keys() {
         assert!(published.rows.iter().any(|row| &row.source == source), "{source}");
@@ -195,15 +206,18 @@ fn groups_are_counted_apart() {
         verdicts,
         constant_force: Vec::new(),
         pressed: Vec::new(),
+        grands: Vec::new(),
     };
     let groups = validation.groups(&published);
     assert_eq!(groups.len(), published.groups.len());
     let regulation = groups.iter().find(|group| group.name == "regulation").unwrap();
     assert_eq!((regulation.predicted.judged, regulation.set.judged, regulation.set.met), (0, 6, 0));
     assert_eq!(regulation.z, None);
-    for group in groups.iter().filter_map(|group| group.z) {
-        assert!((group - 1.0).abs() < 1e-12, "{group}");
+    // Predicted rows are at one end of their range, set ones just beyond the other.
+    for group in groups.iter().flat_map(|group| [group.z, group.z_set]).flatten() {
+        assert!((group - 1.0).abs() < 1e-6, "{group}");
     }
+    assert!(regulation.z_set.is_some());
     let judged = |of: fn(&GroupResult) -> Tally| groups.iter().map(of).map(|tally| tally.judged).sum::<usize>();
     let sets = published.rows.iter().filter(|row| row.kind == PublishedKind::Set).count();
     assert_eq!(judged(|group| group.set), sets);
