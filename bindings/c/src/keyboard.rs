@@ -7,10 +7,10 @@ use std::ptr::null_mut;
 use erard::instrument::utf8;
 use erard::keyboard::{Keyboard, Keys, KeysError};
 use erard::mechanism::TellNumbers;
-use erard::player::MechanismState;
+use erard::player::{MechanismState, SnapshotError};
 use erard::saved::{Lists, Writer};
 use erard::strings::Strings;
-use erard::{Action, Input, Instrument};
+use erard::{Action, IndexError, Input, Instrument};
 
 use crate::action::moving;
 use crate::caller_struct::{Place, given};
@@ -89,6 +89,11 @@ fn check_step(step_s: f64) -> Result<(), Fault> {
     Action::check_step(step_s).map_err(|error| keys_fault(ErardStatus::Range, &KeysError { key: 1, error }))
 }
 
+/// The status of a change of one key.
+fn done(changed: Result<(), IndexError>) -> ErardStatus {
+    if changed.is_ok() { ErardStatus::Ok } else { ErardStatus::NoSuch }
+}
+
 impl ErardKeyboard {
     /// Assembles the keys at rest.
     pub(crate) fn new(instruments: &[Instrument], step_s: f64) -> Result<Self, Fault> {
@@ -112,7 +117,12 @@ impl ErardKeyboard {
     }
 
     /// Stores the input of a key, and passes it on.
-    fn take(&mut self, key: usize, input: &ErardInput, hand_over: impl FnOnce(&mut Keys, Input)) -> ErardStatus {
+    fn take(
+        &mut self,
+        key: usize,
+        input: &ErardInput,
+        hand_over: impl FnOnce(&mut Keys, Input) -> Result<(), IndexError>,
+    ) -> ErardStatus {
         let Some(place) = key.checked_sub(1).and_then(|index| self.inputs.get_mut(index)) else {
             return ErardStatus::NoSuch;
         };
@@ -120,8 +130,7 @@ impl ErardKeyboard {
             Err(status) => status,
             Ok(checked) => {
                 *place = *input;
-                hand_over(&mut self.keys, checked);
-                ErardStatus::Ok
+                done(hand_over(&mut self.keys, checked))
             }
         }
     }
@@ -153,7 +162,7 @@ impl ErardKeyboard {
     /// Reading of a key, from 1; `None` if there is no such key.
     pub(crate) fn reading(&self, key: usize) -> Option<ErardReading> {
         let &(impact_time_s, hammer_speed_m_per_s, impact_count) = self.impacts.get(key.checked_sub(1)?)?;
-        let now = self.keys.reading(key);
+        let now = self.keys.reading(key).ok()?;
         Some(ErardReading {
             time_s: self.keys.time_s() + self.offset_s,
             key_m: now.key_m,
@@ -175,7 +184,7 @@ impl ErardKeyboard {
 
     /// Force of a key's strings on the bridge, N; 0 without sounding strings.
     pub(crate) fn bridge_n(&self, key: usize) -> f64 {
-        self.keys.strings(key).map_or(0.0, Strings::bridge_n)
+        self.keys.strings(key).ok().flatten().map_or(0.0, Strings::bridge_n)
     }
 }
 
@@ -245,10 +254,7 @@ pub unsafe extern "C" fn erard_keyboard_place_hand(
         Ok(place) => place,
         Err(status) => return status,
     };
-    quick(|| {
-        keyboard.keys.place_hand(key as usize, position_m, velocity_m_per_s);
-        ErardStatus::Ok
-    })
+    quick(|| done(keyboard.keys.place_hand(key as usize, position_m, velocity_m_per_s)))
 }
 
 /// Sets the target lift of the sustain pedal's rail, m, under all keys that have one, as erard_action_set_pedal does.
@@ -399,11 +405,8 @@ pub unsafe extern "C" fn erard_keyboard_angles(
     let (Some(keyboard), false) = (unsafe { keyboard.as_ref() }, angles_rad.is_null()) else {
         return ErardStatus::Null;
     };
-    if key == 0 || key as usize > keyboard.keys.count() {
-        return ErardStatus::NoSuch;
-    }
     quick(|| {
-        let angles = keyboard.keys.angles(key as usize);
+        let Ok(angles) = keyboard.keys.angles(key as usize) else { return ErardStatus::NoSuch };
         if count < angles.len() {
             return ErardStatus::Size;
         }
@@ -460,8 +463,11 @@ impl ErardKeyboard {
         let each = self.inputs.iter().zip(&self.impacts).enumerate();
         for (index, (input, (time_s, speed_m_per_s, impact_count))) in each {
             out.group("key", |out| {
-                keys.mechanism_state(index + 1).write(out);
-                keys.save_strings(index + 1, &mut |name, numbers| out.list(name, numbers));
+                // There are as many inputs as keys.
+                if let Ok(state) = keys.mechanism_state(index + 1) {
+                    state.write(out);
+                }
+                let _ = keys.save_strings(index + 1, &mut |name, numbers| out.list(name, numbers));
                 out.number("input_kind", f64::from(input.kind));
                 out.number("input_force_N", input.force_n);
                 out.number("input_position_m", input.position_m);
@@ -527,8 +533,8 @@ pub(crate) fn restore(keyboard: &mut ErardKeyboard, lists: &Lists<'_>) -> ErardS
                 (MechanismState::read(&key), |name: &str, number: &mut TellNumbers<'_>| key.each(name, number));
             let restored = if write {
                 // Before the state, which contains the place of an imposed motion.
-                keyboard.keys.drive(index + 1, checked);
-                keyboard.keys.restore_from(index + 1, &state, &strings)
+                let driven = keyboard.keys.drive(index + 1, checked).map_err(SnapshotError::from);
+                driven.and_then(|()| keyboard.keys.restore_from(index + 1, &state, &strings))
             } else {
                 keyboard.keys.restorable(index + 1, &state, &strings)
             };

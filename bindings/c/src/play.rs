@@ -220,9 +220,8 @@ impl Play {
     /// Normal forces of the contact zones in the last step, N.
     #[inline(never)]
     pub(crate) fn contacts(&self, out: &mut [f64]) {
-        for (zone, place) in out.iter_mut().enumerate().take(self.zones) {
-            *place = self.action.contact_force(zone);
-        }
+        let forces = (0..self.zones).filter_map(|zone| self.action.contact_force(zone).ok());
+        out.iter_mut().zip(forces).for_each(|(place, force_n)| *place = force_n);
     }
 }
 
@@ -277,6 +276,7 @@ pub(crate) fn status_of(error: SnapshotError) -> ErardStatus {
     match error {
         SnapshotError::Instrument | SnapshotError::Settings { .. } => ErardStatus::Foreign,
         SnapshotError::NotFinite => ErardStatus::NotFinite,
+        SnapshotError::Key(_) => ErardStatus::NoSuch,
         _ => ErardStatus::Saved,
     }
 }

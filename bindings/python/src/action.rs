@@ -249,10 +249,11 @@ impl Action {
         self.lock(py).velocities().to_pyarray(py)
     }
 
-    fn contact_forces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    fn contact_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let player = self.lock(py);
-        let forces: Vec<f64> = (0..self.instrument.zones.len()).map(|zone| player.contact_force(zone)).collect();
-        forces.to_pyarray(py)
+        let forces = (0..self.instrument.zones.len()).map(|zone| player.contact_force(zone));
+        let forces: Vec<f64> = forces.collect::<Result<_, _>>().map_err(wrong)?;
+        Ok(forces.to_pyarray(py))
     }
 
     /// Returns the complete state as bytes.

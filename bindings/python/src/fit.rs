@@ -41,10 +41,10 @@ fn outer(instrument: &erard::Instrument, argument: &str, name: &str, value: Valu
     let (_, parameter) = Parameter::named(instrument, name).map_err(|error| wrong_argument(argument, error))?;
     let change = match value {
         Value::Number(value) => Change::Set(value),
-        Value::Text(text) => Change::read(&text, parameter.quantity(instrument), Bare::Si)
+        Value::Text(text) => Change::read(&text, parameter.quantity(instrument).map_err(wrong)?, Bare::Si)
             .map_err(|error| wrong_argument(argument, format!("{name}: {error}")))?,
     };
-    Ok(parameter.by(instrument, change))
+    parameter.by(instrument, change).map_err(wrong)
 }
 
 /// Arguments of the fit, besides the problem: start, loss, Jacobian, restarts, largest number of evaluations.

@@ -73,7 +73,9 @@ impl Keys {
             .detach(|| Player::at_rest(&instruments, settings))
             .map_err(|error| wrong(format!("{}, key {}: {}", keyboard.name, error.key, error.error)))?;
         if let Some(hand) = &hand {
-            (1..=player.count()).for_each(|key| player.place_hand(key, hand.start_m, hand.start_m_per_s));
+            for key in 1..=player.count() {
+                player.place_hand(key, hand.start_m, hand.start_m_per_s).map_err(wrong)?;
+            }
         }
         let began_s = player.time_s();
         Ok(Keys { player: Mutex::new(player), hand, began_s })
@@ -107,8 +109,7 @@ impl Keys {
         let input = driven(self.hand, input(force, motion, rigid)?)?;
         let mut player = self.lock(py);
         let key = Self::has(&player, &key)?;
-        player.drive(key, input);
-        Ok(())
+        player.drive(key, input).map_err(wrong)
     }
 
     fn place_hand(&self, py: Python<'_>, key: Key, position_m: f64, velocity_m_per_s: f64) -> PyResult<()> {
@@ -117,8 +118,7 @@ impl Keys {
         }
         let mut player = self.lock(py);
         let key = Self::has(&player, &key)?;
-        player.place_hand(key, position_m, velocity_m_per_s);
-        Ok(())
+        player.place_hand(key, position_m, velocity_m_per_s).map_err(wrong)
     }
 
     fn set_pedal(&self, py: Python<'_>, lift_m: f64) {
@@ -153,13 +153,13 @@ impl Keys {
     fn reading(&self, py: Python<'_>, key: Key) -> PyResult<Reading> {
         let player = self.lock(py);
         let key = Self::has(&player, &key)?;
-        let now: Now = player.reading(key);
+        let now: Now = player.reading(key).map_err(wrong)?;
         let impact = now.impact.map(|one| (one.time_s - self.began_s, one.hammer_speed_m_per_s));
         Ok(Reading::of(
             player.time_s() - self.began_s,
             &now,
             impact,
-            player.strings(key).map_or(0.0, Strings::bridge_n),
+            player.strings(key).map_err(wrong)?.map_or(0.0, Strings::bridge_n),
         ))
     }
 
@@ -171,7 +171,7 @@ impl Keys {
     fn save<'py>(&self, py: Python<'py>, key: Key) -> PyResult<Bound<'py, PyBytes>> {
         let player = self.lock(py);
         let key = Self::has(&player, &key)?;
-        Ok(PyBytes::new(py, &player.save(key).to_vec()))
+        Ok(PyBytes::new(py, &player.save(key).map_err(wrong)?.to_vec()))
     }
 
     fn restore(&self, py: Python<'_>, key: Key, saved: &[u8]) -> PyResult<()> {

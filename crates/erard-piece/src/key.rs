@@ -415,7 +415,9 @@ impl<'a> Key<'a> {
             (self.watch.checked, self.watch.blow_m) = (false, reading.hammer_rise_m);
         }
         self.record_rest(reading);
-        if !self.watch.checked && self.senses.check.is_some_and(|zone| self.action.contact_force(zone) > 0.0) {
+        if !self.watch.checked
+            && self.senses.check.is_some_and(|zone| self.action.contact_force(zone).is_ok_and(|force_n| force_n > 0.0))
+        {
             self.watch.checked = true;
         }
         let (before_m, at_m) = (self.watch.key_m, self.senses.damper_m);

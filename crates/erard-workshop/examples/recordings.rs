@@ -35,7 +35,7 @@ pub fn recorded() -> Instrument {
     let all = Parameter::all(&grand);
     for (name, by) in TRUE {
         let (_, parameter) = all.iter().find(|(known, _)| known == name).expect("the grand has it");
-        assert!(parameter.vary(&mut grand, by), "{name}");
+        parameter.vary(&mut grand, by).unwrap_or_else(|error| panic!("{name}: {error}"));
     }
     grand
 }

@@ -213,7 +213,7 @@ fn numbers(file: &InstrumentFile, paths: impl IntoIterator<Item = (String, usize
 
 /// The numbers of the file that a parameter changes.
 fn of_parameter(file: &InstrumentFile, parameter: &Parameter) -> Option<Numbers> {
-    numbers(file, parameter.paths(&file.instrument).into_iter().map(|path| (path, 0)))
+    numbers(file, parameter.paths(&file.instrument).ok()?.into_iter().map(|path| (path, 0)))
 }
 
 /// Returns a name as spoken: `let_off` becomes `let-off`.
@@ -234,7 +234,7 @@ fn of_screw(file: &InstrumentFile, index: usize) -> Option<Dial> {
     let decimals = if quantity == Quantity::Length { 2 } else { 1 };
     // The dial of a spring is in N mm, its file in N m.
     let units = shown.si / screw.action.file_unit().si;
-    let path = Parameter::Screw { screw: index, action: screw.action.clone() }.path(instrument);
+    let path = Parameter::Screw { screw: index, action: screw.action.clone() }.path(instrument).ok()?;
     let value = number(file, &path, 0)? / units;
     let [from, to] = limits.map_or([value - 2.0, value + 2.0], |limits| limits.map(|limit| limit * si));
     Some(Dial {
@@ -422,14 +422,14 @@ fn springs(file: &InstrumentFile, parts: &Parts) -> Vec<Dial> {
 fn friction(file: &InstrumentFile) -> Vec<Dial> {
     let i = &file.instrument;
     let pivots = Parameter::all(i).into_iter().filter(|(_, own)| matches!(own, Parameter::PivotFriction(_)));
-    let pivots = pivots.map(|(_, own)| (own.path(i), 0));
+    let pivots = pivots.filter_map(|(_, own)| Some((own.path(i).ok()?, 0)));
     let look = |name, label, note| Look { name, label, note, group: Group::Friction, unit: "x", decimals: 2 };
     let mut all = Vec::new();
     if let Some(found) = numbers(file, pivots) {
         let look = look("pivots", "friction of all pivots", "tighter pins: down-weight up, up-weight down");
         all.push(look.dial(1.0, [1.0 / FACTOR, FACTOR], Kind::Times(found)));
     }
-    let rubbing = i.roles.knuckle.iter().map(|&zone| (Parameter::Friction(zone).path(i), 0));
+    let rubbing = i.roles.knuckle.iter().filter_map(|&zone| Some((Parameter::Friction(zone).path(i).ok()?, 0)));
     if let Some(found) = numbers(file, rubbing.filter(|(path, _)| number(file, path, 0).is_some_and(|mu| mu > 0.0))) {
         let look =
             look("knuckle_friction", "friction at the knuckle", "rougher jack or knuckle: more is felt at let-off");

@@ -78,7 +78,7 @@ pub fn weigh(keys: &[(usize, Instrument)], progress: &mut Progress<'_>) -> Resul
 /// A key's weights from a slow loop, dampers lifted, and its free travel, m.
 fn loop_weights(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<(LoopWeights, f64), MeasureError> {
     let parts = Parts::of(instrument)?;
-    let lifted = pedal_down(instrument, &parts);
+    let lifted = pedal_down(instrument, &parts)?;
     let way = free_way(&lifted, &parts, progress)?;
     Ok((by_loop(&lifted, way.end_m, progress)?, way.end_m))
 }

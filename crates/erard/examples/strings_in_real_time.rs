@@ -62,8 +62,8 @@ fn ten_notes(keyboard: &Keyboard) -> [f64; 2] {
         for (finger, key) in pressed.into_iter().enumerate() {
             // Down for two thirds of the time.
             match (ms + 33 * finger) % 333 {
-                0 => keys.drive(key, Input::Force(9.0)),
-                222 => keys.drive(key, Input::Free),
+                0 => keys.drive(key, Input::Force(9.0)).expect("a key"),
+                222 => keys.drive(key, Input::Free).expect("a key"),
                 _ => {}
             }
         }
@@ -99,7 +99,7 @@ fn second_s(instrument: &Instrument, step_s: f64, halving: Halving) -> f64 {
 fn top_octave(instruments: &[Instrument], halving: Halving) -> ([f64; 2], usize) {
     let mut keys = Keys::at_rest(instruments, Settings::new(STEP_S)).expect("they rest");
     keys.halve(halving);
-    let rest: Vec<_> = (1..=keys.count()).map(|key| keys.save(key)).collect();
+    let rest: Vec<_> = (1..=keys.count()).map(|key| keys.save(key).expect("a key")).collect();
     let mut took = vec![f64::INFINITY; 12_000];
     for _ in 0..8 {
         rest.iter().enumerate().for_each(|(i, state)| keys.restore(i + 1, state).expect("its own state"));
@@ -109,8 +109,8 @@ fn top_octave(instruments: &[Instrument], halving: Halving) -> ([f64; 2], usize)
         }
         for (n, took) in took.iter_mut().enumerate() {
             match n {
-                0 => (79..=88).for_each(|key| keys.drive(key, Input::Force(20.0))),
-                6000 => (79..=88).for_each(|key| keys.drive(key, Input::Free)),
+                0 => (79..=88).for_each(|key| keys.drive(key, Input::Force(20.0)).expect("a key")),
+                6000 => (79..=88).for_each(|key| keys.drive(key, Input::Free).expect("a key")),
                 _ => {}
             }
             let started = Instant::now();

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use moreau::Settings;
 
 use crate::grand::{Anatomy, AnatomyError};
+use crate::index::IndexError;
 use crate::instrument::Instrument;
 use crate::player::{Action, ActionError, Input};
 use crate::stroke::least_jerk;
@@ -30,6 +31,9 @@ pub enum DamperError {
     /// The instrument cannot be played.
     #[error(transparent)]
     Action(#[from] ActionError),
+    /// There is no such key.
+    #[error(transparent)]
+    Key(#[from] IndexError),
 }
 
 /// Where a key of a keyboard sets its damper down cannot be found.
@@ -64,7 +68,7 @@ pub fn damper_height_m(instrument: &Instrument) -> Result<Option<f64>, DamperErr
         .map(|(index, _)| index)
         .collect();
     let mut action = Action::with(&silent, Settings::new(silent.usual_step_s()))?;
-    let presses = |action: &Action| lies_on.iter().map(|&zone| action.contact_force(zone)).sum::<f64>();
+    let presses = |action: &Action| lies_on.iter().map(|&zone| action.mechanism().normal_force(zone)).sum::<f64>();
     let h = action.settings().step;
     action.step(Input::Free);
     let at_rest_n = presses(&action);
@@ -114,10 +118,8 @@ impl<'a> DamperHeights<'a> {
     ///
     /// # Errors
     /// See [`KeyDamperError`].
-    ///
-    /// # Panics
-    /// Panics if there is no such key.
     pub fn of(&self, key: usize) -> Result<f64, KeyDamperError> {
+        IndexError::key(key, self.instruments.len()).map_err(|error| KeyDamperError { key, error: error.into() })?;
         for below in (1..=key).rev() {
             let found = self.found[below - 1].get_or_init(|| damper_height_m(&self.instruments[below - 1]));
             if let Some(height_m) = found.clone().map_err(|error| KeyDamperError { key: below, error })? {

@@ -28,6 +28,7 @@ mod fnv1a;
 pub mod gradient;
 pub mod grand;
 pub mod identity;
+mod index;
 pub mod instrument;
 pub mod instrument_spec;
 pub mod key;
@@ -47,6 +48,7 @@ pub mod stroke;
 pub mod trust;
 mod units;
 
+pub use index::IndexError;
 pub use instrument::Instrument;
 pub use mechanism::Impact;
 pub use moreau::{FrictionLaw, Settings, Solver, StepOutcome};

@@ -105,7 +105,7 @@ impl OverBare {
             inputs.iter_mut().for_each(Vec::clear);
             for _ in 0..ticks {
                 asked.drive(&mut |key, force_n| last[key - 1] = SiteInput::Force(force_n));
-                let awake = (0..inputs.len()).filter(|index| asked.keys().is_awake(index + 1));
+                let awake = (0..inputs.len()).filter(|index| asked.keys().is_awake(index + 1).unwrap_or(false));
                 awake.for_each(|index| inputs[index].push(last[index]));
                 asked.keys_mut().step();
             }

@@ -73,7 +73,7 @@ impl Ticks {
             awake_max = awake_max.max(tick.stepped);
             unconverged += u64::from(tick.unconverged + tick.non_finite);
             over_budget += u64::from(ns as f64 > STEP_S * 1e9);
-            let awake = |key: usize| tremolo.keys().is_awake(key);
+            let awake = |key: usize| tremolo.keys().is_awake(key).unwrap_or(false);
             groups += (1..=KEYS).step_by(FOUR).filter(|&first| (first..first + FOUR).any(awake)).count() as u64;
         }
         Some(Ticks {

@@ -119,7 +119,7 @@ impl Played {
     /// Normal force of a contact zone, N; a keyboard has none among its variables.
     pub(super) fn contact_force(&self, zone: usize) -> f64 {
         match self {
-            Played::Key(action) => action.play.action.contact_force(zone),
+            Played::Key(action) => action.play.action.contact_force(zone).unwrap_or(f64::NAN),
             Played::Keyboard(_) => 0.0,
         }
     }

@@ -360,13 +360,13 @@ fn chord_is_heard([leave, end]: [u32; 2], pressed_n: f64) {
         let finger_force_n = if n < leave { pressed_n } else { 0.0 };
         for key in [40, 44, 47] {
             keyboard.drive(key, finger_force_n);
-            keys.drive(key as usize, Input::Force(finger_force_n));
+            keys.drive(key as usize, Input::Force(finger_force_n)).unwrap();
         }
         impacts += keyboard.step(1).len();
         keys.step();
         for key in [40, 44, 47] {
             assert_eq!(unsafe { erard_keyboard_bridge_force(keyboard.0, key, &raw mut force_n) }, ErardStatus::Ok);
-            let own_n = keys.strings(key as usize).unwrap().bridge_n();
+            let own_n = keys.strings(key as usize).unwrap().unwrap().bridge_n();
             assert_eq!(force_n.to_bits(), own_n.to_bits(), "key {key} in step {n}: {force_n} and {own_n}");
             loudest_n = loudest_n.max(force_n.abs());
         }

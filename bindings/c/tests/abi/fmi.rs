@@ -73,12 +73,12 @@ fn fmpy_plays_it() {
     let step_s = strings.instrument.usual_step_s();
     let mut keys = Keys::at_rest(&keyboard.instruments().unwrap(), Settings::new(step_s)).unwrap();
     keys.set_pedal(0.007);
-    [40, 44, 47].into_iter().for_each(|key| keys.drive(key, Input::Force(6.0)));
+    [40, 44, 47].into_iter().for_each(|key| keys.drive(key, Input::Force(6.0)).unwrap());
     let mut heard = String::new();
     for n in 1..=2400 {
         keys.step();
         if n % 24 == 0 {
-            heard += &format!("{:?} {:?}\n", keys.bridge_n(), keys.reading(44).key_m);
+            heard += &format!("{:?} {:?}\n", keys.bridge_n(), keys.reading(44).unwrap().key_m);
         }
     }
     std::fs::write(chord.path().join("heard.txt"), heard).unwrap();

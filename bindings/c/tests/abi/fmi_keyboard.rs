@@ -143,14 +143,12 @@ fn drive_native(keys: &mut Keys, step: u64) {
     // Within a communication step a motion goes on from its beginning.
     let begun = (step - step % PERIOD) as f64 * STEP_S;
     let along = |speed: f64, share: f64| begun * speed + speed * (at(share) - begun);
-    keys.drive(28, Input::Force(6.0));
-    keys.drive(
-        40,
-        Input::Hand(HandInput { mass_kg: 0.3, force_n: 8.0, damping_n_s_per_m: 2.0, ..HandInput::default() }),
-    );
+    keys.drive(28, Input::Force(6.0)).unwrap();
+    let hand = HandInput { mass_kg: 0.3, force_n: 8.0, damping_n_s_per_m: 2.0, ..HandInput::default() };
+    keys.drive(40, Input::Hand(hand)).unwrap();
     let position_m = along(FINGER_M_PER_S, 0.5);
-    keys.drive(47, Input::Motion { position_m, velocity_m_per_s: FINGER_M_PER_S });
-    keys.impose(79, along(KEY_M_PER_S, 1.0), KEY_M_PER_S);
+    keys.drive(47, Input::Motion { position_m, velocity_m_per_s: FINGER_M_PER_S }).unwrap();
+    keys.impose(79, along(KEY_M_PER_S, 1.0), KEY_M_PER_S).unwrap();
 }
 
 /// Sets what the unit receives before a communication step.
@@ -185,8 +183,8 @@ fn of_unit(unit: &Instance) -> Vec<u64> {
 fn of_native(keys: &Keys) -> Vec<u64> {
     let mut all = vec![keys.bridge_n().to_bits()];
     for key in PRESSED {
-        let r = keys.reading(key);
-        let bridge_n = keys.strings(key).unwrap().bridge_n();
+        let r = keys.reading(key).unwrap();
+        let bridge_n = keys.strings(key).unwrap().unwrap().bridge_n();
         all.extend([r.key_m, r.hammer_rise_m, r.string_n, bridge_n, r.finger_force_n].map(f64::to_bits));
     }
     all

@@ -241,7 +241,7 @@ fn dials_turn_on(instruments: &[&str]) {
         assert!((spread_mm(&Instrument::parse(&moved.text(), "moved").unwrap()) - by("spread") - 1.0).abs() < 1e-6);
         let parts = erard::grand::Parts::of(&native).unwrap();
         let moved = Instrument::parse(&moved.text(), "moved").unwrap();
-        let front = |i: &Instrument| erard::grand::front_weight_g(i, &parts, 0.265);
+        let front = |i: &Instrument| erard::grand::front_weight_g(i, &parts, 0.265).unwrap();
         assert!(
             (front(&moved) - front(&native) - 10.0 * 155.0 / 265.0).abs() < 0.01,
             "{}",

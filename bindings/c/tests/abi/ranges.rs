@@ -90,13 +90,13 @@ fn texts_are_read_as_by_the_other_fronts() {
         }
         assert_eq!(status, ErardStatus::Ok, "{row}");
         let (_, parameter) = Parameter::named(&own, name).unwrap();
-        let (now, by): (f64, f64) = (parameter.value(&own), told.parse().unwrap());
+        let (now, by): (f64, f64) = (parameter.value(&own).unwrap(), told.parse().unwrap());
         let wanted = match kind {
             "set" => by,
             "add" => now + by,
             _ => now * by,
         };
-        let found = parameter.value(&Instrument::parse(&varied, "varied").unwrap());
+        let found = parameter.value(&Instrument::parse(&varied, "varied").unwrap()).unwrap();
         assert!((found - wanted).abs() <= 1e-9 * wanted.abs() + 1e-12, "{row}: {found} {wanted}");
     }
 }

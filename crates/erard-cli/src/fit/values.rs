@@ -1,7 +1,7 @@
 //! Numbers as people write them.
 
 use erard::instrument::Instrument;
-use erard::parameter::{Change, NumberError, Parameter, Sweep};
+use erard::parameter::{Bare, Change, Parameter, Quantity, Sweep};
 use erard::stroke::Role;
 use erard_workshop::fit::COLUMNS;
 
@@ -16,8 +16,8 @@ pub(crate) fn column(role: Role) -> &'static str {
 /// What was expected.
 pub(crate) fn value(instrument: &Instrument, name: &str, typed: &str) -> Result<f64, String> {
     let [value] = read(instrument, name, |parameter| {
-        let quantity = parameter.quantity(instrument);
-        Ok([Change::read(typed, quantity, parameter.trade_bare(instrument))?])
+        let (quantity, bare) = quantity_and_bare(instrument, parameter)?;
+        Ok([Change::read(typed, quantity, bare).map_err(|error| error.to_string())?])
     })?;
     Ok(value)
 }
@@ -28,18 +28,27 @@ pub(crate) fn value(instrument: &Instrument, name: &str, typed: &str) -> Result<
 /// What was expected.
 pub(crate) fn bounds(instrument: &Instrument, name: &str, typed: &str) -> Result<[f64; 2], String> {
     read(instrument, name, |parameter| {
-        Sweep::read_ends(typed, parameter.quantity(instrument), parameter.trade_bare(instrument))
+        let (quantity, bare) = quantity_and_bare(instrument, parameter)?;
+        Sweep::read_ends(typed, quantity, bare).map_err(|error| error.to_string())
     })
 }
 
 fn read<const N: usize>(
     instrument: &Instrument,
     name: &str,
-    read: impl Fn(&Parameter) -> Result<[Change; N], NumberError>,
+    read: impl Fn(&Parameter) -> Result<[Change; N], String>,
 ) -> Result<[f64; N], String> {
     let (_, parameter) = Parameter::named(instrument, name).map_err(|error| error.to_string())?;
-    let changes = read(&parameter).map_err(|error| error.to_string())?;
-    Ok(changes.map(|change| parameter.by(instrument, change)))
+    let mut by = [0.0; N];
+    for (by, change) in by.iter_mut().zip(read(&parameter)?) {
+        *by = parameter.by(instrument, change).map_err(|error| error.to_string())?;
+    }
+    Ok(by)
+}
+
+fn quantity_and_bare(instrument: &Instrument, parameter: &Parameter) -> Result<(Quantity, Bare), String> {
+    let quantity = parameter.quantity(instrument);
+    quantity.and_then(|quantity| Ok((quantity, parameter.trade_bare(instrument)?))).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]
@@ -49,7 +58,7 @@ mod tests {
     #[test]
     fn numbers_are_read_with_and_without_units() {
         let grand = Instrument::builtin("concert-grand").unwrap();
-        let mass = Parameter::named(&grand, "body.hammer.mass").unwrap().1.value(&grand);
+        let mass = Parameter::named(&grand, "body.hammer.mass").unwrap().1.value(&grand).unwrap();
         for (name, typed, expected) in [
             ("let_off", "-1", -1e-3),
             ("let_off", "+0.5mm", 5e-4),

@@ -69,7 +69,7 @@ fn a_free_flight_is_shorter() {
         for (n, pair) in press.key_m.windows(2).enumerate() {
             let input = erard::Input::Rigid { position_m: pair[1], velocity_m_per_s: (pair[1] - pair[0]) / h };
             let reading = action.step(input);
-            let pushes = |zone: usize| action.contact_force(zone) > 0.0;
+            let pushes = |zone: usize| action.contact_force(zone).unwrap() > 0.0;
             if pushes(parts.jack_knuckle) || parts.lever_knuckle.is_some_and(pushes) {
                 free_s = n as f64 * h;
             }

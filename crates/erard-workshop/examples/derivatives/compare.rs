@@ -125,7 +125,7 @@ pub fn first_cases() -> [First; 3] {
     let speed = |name: &str, by: f64, held: bool| {
         let (_, parameter) = parameters.iter().find(|(known, _)| known == name).unwrap();
         let mut varied = instrument.clone();
-        assert!(parameter.vary(&mut varied, 1.0 + by));
+        parameter.vary(&mut varied, 1.0 + by).unwrap();
         let mut action = Action::with(&varied, Settings::new(5e-6)).unwrap();
         if held {
             action.mechanism_mut().restore(&rest);
@@ -199,7 +199,9 @@ impl Numbers {
     fn varied(&self, instrument: &Instrument, k: usize, by: f64) -> Instrument {
         let (mut varied, by) = (instrument.clone(), by * self.usual(k));
         let value = if self.parameters[k].is_factor() { 1.0 + by } else { by };
-        assert!(self.parameters[k].vary(&mut varied, value), "{}", self.variables[k].name);
+        self.parameters[k]
+            .vary(&mut varied, value)
+            .unwrap_or_else(|error| panic!("{}: {error}", self.variables[k].name));
         varied
     }
 }

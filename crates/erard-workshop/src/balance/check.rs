@@ -56,7 +56,7 @@ fn check_key(
         add_mass(instrument, parts.key, 1e-3 * mass_g, [-1e-3 * at_mm, height_m])
     };
     if let Some(strike_g) = key.measured.strike_weight_g {
-        strike(&mut as_weighed, strike_g - strike_weight_g(instrument, &parts))?;
+        strike(&mut as_weighed, strike_g - strike_weight_g(instrument, &parts)?)?;
     }
     if let Some(front_g) = key.measured.front_weight_g {
         let at_mm = 0.6 * model.key_front_mm;
@@ -64,7 +64,7 @@ fn check_key(
     }
     let Some(before_g) = touch(&as_weighed, progress)?.balance_weight_g() else { return Ok(Vec::new()) };
     let (strike_g, front_g) =
-        (strike_weight_g(&as_weighed, &parts), erard::grand::front_weight_g(&as_weighed, &parts, front_m));
+        (strike_weight_g(&as_weighed, &parts)?, erard::grand::front_weight_g(&as_weighed, &parts, front_m)?);
     let whippen_g = model.key_ratio * model.whippen_weight_g;
     let ratio = (before_g + front_g - whippen_g) / strike_g;
     let mut checked = Vec::new();

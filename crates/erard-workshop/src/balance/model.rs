@@ -50,15 +50,15 @@ impl KeyModel {
         let (front_m, capstan_m) = (levers.key_front_m, levers.capstan_m);
         let [whippen_ratio, _] = levers.ratios(HALF_WAY_M)?;
         let (key, hammer) = (&instrument.bodies[parts.key], &instrument.bodies[parts.hammer]);
-        let strike_g = strike_weight_g(instrument, &parts);
+        let strike_g = strike_weight_g(instrument, &parts)?;
         let strike_arm_m = instrument.roles.hammer_strike_point_m[0];
         Ok(KeyModel {
             key_front_mm: front_m * MM,
             capstan_mm: capstan_m * MM,
             heel_mm: -levers.whippen_arm_m * MM,
             key_ratio: capstan_m / front_m,
-            whippen_weight_g: whippen_weight_g(instrument, &parts, levers.whippen_arm_m),
-            front_weight_g: front_weight_g(instrument, &parts, front_m),
+            whippen_weight_g: whippen_weight_g(instrument, &parts, levers.whippen_arm_m)?,
+            front_weight_g: front_weight_g(instrument, &parts, front_m)?,
             strike_weight_g: strike_g,
             key_inertia_g: G * key.inertia_kg_m2 / (front_m * front_m),
             whippen_inertia_g: G * stack_inertia_kg_m2(instrument, parts.whippen) * (whippen_ratio / front_m).powi(2),

@@ -1,5 +1,6 @@
 //! Bench tests that distinguish places of friction: the key alone, a gauge at a flange, swings of a hammer.
 
+use erard::IndexError;
 use erard::grand::{Anatomy, Parts, strike_weight_g};
 use erard::instrument::Instrument;
 
@@ -33,15 +34,17 @@ impl Bench {
     /// If the instrument is no grand action.
     pub fn of(instrument: &Instrument) -> Result<Self, MeasureError> {
         let anatomy = Anatomy::find(instrument)?;
-        let torque = |body: usize| instrument.bodies[instrument.first_piece(body)].friction_torque_n_m;
+        let torque = |body: usize| -> Result<f64, IndexError> {
+            Ok(instrument.bodies[instrument.first_piece(body)?].friction_torque_n_m)
+        };
         let grams = |torque_n_m: f64, arm_m: f64| 1e3 * torque_n_m / (arm_m * instrument.gravity_m_per_s2);
         let rigid = instrument.locked();
-        let hammer_g = grams(torque(anatomy.hammer), HAMMER_ARM_M);
+        let hammer_g = grams(torque(anatomy.hammer)?, HAMMER_ARM_M);
         Ok(Bench {
-            key_alone_g: grams(torque(anatomy.key), instrument.roles.key_front_m[0].abs()),
+            key_alone_g: grams(torque(anatomy.key)?, instrument.roles.key_front_m[0].abs()),
             hammer_g,
-            whippen_g: grams(torque(anatomy.whippen), WHIPPEN_ARM_M),
-            swings: passes(hammer_g, strike_weight_g(&rigid, &Parts::of(&rigid)?)),
+            whippen_g: grams(torque(anatomy.whippen)?, WHIPPEN_ARM_M),
+            swings: passes(hammer_g, strike_weight_g(&rigid, &Parts::of(&rigid)?)?),
         })
     }
 }

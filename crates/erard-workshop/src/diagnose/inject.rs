@@ -41,7 +41,7 @@ pub fn inject(
             };
             let factor = if undo { 1.0 / amount } else { amount };
             // The table's factors are positive.
-            let _ = Parameter::PivotFriction(instrument.first_piece(body)).vary(&mut changed, factor);
+            let _ = Parameter::PivotFriction(instrument.first_piece(body)?).vary(&mut changed, factor);
         }
         Change::Knuckle => {
             let zone = Anatomy::find(instrument)?.jack_knuckle;

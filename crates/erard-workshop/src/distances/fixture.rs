@@ -68,8 +68,12 @@ impl<'i> Fixture<'i> {
     /// The action at rest with the key untouched.
     pub(crate) fn at_rest(instrument: &'i Instrument, anatomy: Anatomy, step_s: f64) -> Result<Self, DistanceError> {
         let action = Action::with(instrument, Settings::new(step_s))?;
-        let view =
-            View { key_m: 0.0, below_string_m: -action.compression(anatomy.string), rise_m_per_s: 0.0, force_n: 0.0 };
+        let view = View {
+            key_m: 0.0,
+            below_string_m: -action.mechanism().compression(anatomy.string),
+            rise_m_per_s: 0.0,
+            force_n: 0.0,
+        };
         Ok(Fixture {
             instrument,
             anatomy,
@@ -94,12 +98,12 @@ impl<'i> Fixture<'i> {
 
     /// Compression of a zone, m; negative where it is open.
     pub(crate) fn compression(&self, zone: usize) -> f64 {
-        self.action.compression(zone)
+        self.action.mechanism().compression(zone)
     }
 
     /// A point of a body in the world, m.
     pub(crate) fn point(&self, body: Option<usize>, point: Vec2) -> Vec2 {
-        self.action.point(body, point)
+        self.action.mechanism().point(body, point)
     }
 
     fn take(&mut self, input: Input, progress: &mut Progress<'_>) -> Result<(), DistanceError> {
@@ -113,7 +117,7 @@ impl<'i> Fixture<'i> {
         }
         self.steps += 1;
         let step_s = self.action.settings().step;
-        let below_string_m = -self.action.compression(self.anatomy.string);
+        let below_string_m = -self.action.mechanism().compression(self.anatomy.string);
         self.before = View {
             key_m: self.action.reading().key_m,
             below_string_m,

@@ -17,7 +17,7 @@ const NAMES: [(&str, &str, &str, &str, Reading); 2] = [
 /// Strike weight, g.
 fn strike_weight(instrument: &Instrument) -> Option<f64> {
     let rigid = instrument.locked();
-    Parts::of(&rigid).ok().map(|parts| strike_weight_g(&rigid, &parts))
+    Parts::of(&rigid).and_then(|parts| strike_weight_g(&rigid, &parts)).ok()
 }
 
 /// Let-off distance on a slow key, mm.

@@ -1,5 +1,6 @@
 //! Fitted parameters, their bounds and their scales.
 
+use erard::IndexError;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::parameter::{Change, Entry, NameError, Parameter, Quantity, nearest, register};
 
@@ -91,7 +92,10 @@ impl FitParameter {
     }
 
     /// Converts a change of the instrument's number to a turn or a factor.
-    pub fn outer_of(&self, instrument: &Instrument, change: Change) -> f64 {
+    ///
+    /// # Errors
+    /// The instrument has no such part.
+    pub fn outer_of(&self, instrument: &Instrument, change: Change) -> Result<f64, IndexError> {
         self.parameter.by(instrument, change)
     }
 
@@ -188,7 +192,7 @@ pub(super) fn varied(instrument: &Instrument, parameters: &[FitParameter], value
     let mut varied = instrument.clone();
     let all = parameters.iter().zip(values).all(|(one, value)| {
         let [least, most] = one.parameter.range();
-        (least..=most).contains(value) && one.parameter.vary(&mut varied, *value)
+        (least..=most).contains(value) && one.parameter.vary(&mut varied, *value).is_ok()
     });
     all.then_some(varied)
 }

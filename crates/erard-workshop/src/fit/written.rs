@@ -1,6 +1,7 @@
 //! The fitted instrument as a file: the same text with new numbers.
 
 use erard::instrument::{InstrumentFile, RewriteError, cited};
+use erard::parameter::VaryError;
 use thiserror::Error;
 
 use super::FitResult;
@@ -32,9 +33,9 @@ impl FitResult {
         let mut changes = Vec::new();
         let mut fitted = file.instrument.clone();
         for ((one, x), std) in self.parameters.iter().zip(&self.x).zip(&self.std) {
-            if !one.parameter.vary(&mut fitted, *x) {
-                return Err(WriteError::Unlike(format!("{} cannot be varied by {x}", one.name)));
-            }
+            let unlike =
+                |error: VaryError| WriteError::Unlike(format!("{} cannot be varied by {x}: {error}", one.name));
+            one.parameter.vary(&mut fitted, *x).map_err(unlike)?;
             let note = if one.parameter.is_factor() {
                 format!("fitted: {x:.5} +- {std:.2} times the number before")
             } else {
@@ -43,6 +44,7 @@ impl FitResult {
             changes.extend(
                 one.parameter
                     .numbers(&file.instrument, *x, text)
+                    .map_err(|error| unlike(error.into()))?
                     .into_iter()
                     .map(|(path, value)| (path, value, note.clone())),
             );
@@ -51,7 +53,10 @@ impl FitResult {
         let new = cited(text, &changes, SOURCE, AUTHOR, &title)?;
         let read = InstrumentFile::parse(&new, "fitted").map_err(|error| WriteError::Unlike(error.to_string()))?;
         for one in &self.parameters {
-            let (wanted, found) = (one.parameter.value(&fitted), one.parameter.value(&read.instrument));
+            let value = |of: &erard::Instrument| {
+                one.parameter.value(of).map_err(|error| WriteError::Unlike(format!("{}: {error}", one.name)))
+            };
+            let (wanted, found) = (value(&fitted)?, value(&read.instrument)?);
             if (wanted - found).abs() > 1e-9 * wanted.abs() + 1e-12 {
                 return Err(WriteError::Unlike(format!("{} reads back as {found}, not {wanted}", one.name)));
             }

@@ -254,9 +254,9 @@ pub fn keyboard_variables(base: &InstrumentFile, base_text: &str) -> Vec<Variabl
 
 /// Adds bodies' masses, and every number of the file.
 fn parameters(file: &InstrumentFile, text: &str, all: &mut Vec<Variable>) {
-    for (name, parameter) in Parameter::all(&file.instrument) {
+    for erard::parameter::Entry { name, parameter, value, .. } in erard::parameter::register(file) {
         if let Parameter::Mass(body) = parameter {
-            let start = Some(parameter.value(&file.instrument));
+            let start = Some(value);
             let description = "Mass of the body: its inertia changes in proportion. Set this or the file's numbers";
             all.push(variable(MASSES_FROM + body as u32, &name, Role::Mass(body), start, "kg", description));
         }

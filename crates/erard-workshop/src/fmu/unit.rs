@@ -97,13 +97,13 @@ impl Unit {
                 Some(text) => Instrument::parse(&text, INSTRUMENT).map_err(|error| error.to_string())?,
             };
             for (parameter, factor) in self.masses(values, &changes, &instrument)? {
-                // The range has been checked.
-                let _ = parameter.vary(&mut instrument, factor);
+                parameter.vary(&mut instrument, factor).map_err(|error| error.to_string())?;
             }
             return Ok(vec![instrument]);
         };
         for (parameter, factor) in self.masses(values, &changes, &self.file.instrument)? {
-            let numbers = parameter.numbers(&self.file.instrument, factor, &self.text);
+            let numbers =
+                parameter.numbers(&self.file.instrument, factor, &self.text).map_err(|error| error.to_string())?;
             changes.extend(numbers.into_iter().map(|(path, value)| (path, 0, value)));
         }
         let changed = match self.text_with(&changes)? {
@@ -143,13 +143,13 @@ impl Unit {
             let Role::Mass(body) = variable.role else { continue };
             let Variable { name, .. } = variable;
             let parameter = Parameter::Mass(body);
-            let own = parameter.paths(instrument);
+            let own = parameter.paths(instrument).map_err(|error| error.to_string())?;
             if let Some((path, ..)) = changes.iter().find(|(path, ..)| own.contains(path)) {
                 return Err(format!(
                     "`{name}` and `{path}` are both set: set the mass with its inertia, or each by itself"
                 ));
             }
-            let drawn_kg = parameter.value(instrument);
+            let drawn_kg = parameter.value(instrument).map_err(|error| error.to_string())?;
             let (factor, [least, most]) = (mass_kg / drawn_kg, parameter.range());
             if !(least..=most).contains(&factor) {
                 return Err(format!("`{name}` is {mass_kg} kg; expected {least} to {most} times {drawn_kg} kg"));

@@ -58,7 +58,7 @@ pub(crate) fn blocked(instrument: &Instrument, progress: &mut Progress<'_>) -> R
             action.step(Input::Force(before_n + (weight_n - before_n) * laid));
         }
         before_n = weight_n;
-        let back_m = capstan.map(|(body, point)| rise_m(action.point(Some(body), point)));
+        let back_m = capstan.map(|(body, point)| action.point(Some(body), point)).transpose()?.map(rise_m);
         let now = (action.reading().key_m, back_m);
         let (front_0, back_0) = *zero.get_or_insert(now);
         rows.push(BlockedRow {
@@ -75,7 +75,7 @@ pub(crate) fn blocked(instrument: &Instrument, progress: &mut Progress<'_>) -> R
 
 /// The key's contact with the whippen: body and point.
 fn capstan(instrument: &Instrument, anatomy: &Anatomy) -> Option<(usize, Vec2)> {
-    let is = |body: usize, part: usize| instrument.is_same_part(body, part);
+    let is = |body: usize, part: usize| instrument.is_same_part(body, part).is_ok_and(|is_same| is_same);
     instrument.zones.iter().find_map(|zone| {
         let (disc, curve) = (zone.disc_body?, zone.curve_body?);
         let on_curve = match zone.curve {
@@ -98,7 +98,7 @@ fn with_a_bar(instrument: &Instrument, anatomy: &Anatomy) -> Result<Instrument, 
     let rest = Action::with(instrument, Settings::new(STEP_S))?;
     let blow_m = -rest.mechanism().compression(anatomy.string);
     let head_m = instrument.roles.hammer_strike_point_m;
-    let [x, y] = rest.point(Some(anatomy.hammer), head_m);
+    let [x, y] = rest.point(Some(anatomy.hammer), head_m)?;
     let mut held = instrument.clone();
     held.edit(|held| {
         held.roles.rigid_string = true;
@@ -132,7 +132,7 @@ mod tests {
             let heel = own.zones.iter().position(|zone| zone.name == "capstan_heel").unwrap();
             own.edit(|fields| fields.zones[heel].felt = felt).unwrap();
             let parts = erard::grand::Parts::of(&own).unwrap();
-            let rows = blocked(&erard::grand::pedal_down(&own, &parts), &mut |_| true).unwrap();
+            let rows = blocked(&erard::grand::pedal_down(&own, &parts).unwrap(), &mut |_| true).unwrap();
             *rows.last().unwrap()
         };
         let (stiff, soft) = (with_heel(K), with_heel(0.5 * K));

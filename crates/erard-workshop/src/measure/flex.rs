@@ -22,27 +22,27 @@ pub(crate) const POUND_N: f64 = 4.448;
 #[must_use]
 pub(crate) fn key_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
     let roles = &instrument.roles;
-    roles.key.map(|key| flex(instrument, key, |along| along.to_world(roles.key_front_m)[0]))
+    roles.key.and_then(|key| flex(instrument, key, |along| along.to_world(roles.key_front_m)[0]))
 }
 
 /// Compliance of the shank across its length at [`SHANK_LOAD_M`], held at the knuckle, m/N; `None` without a hammer.
 #[must_use]
 pub(crate) fn shank_flex_m_per_n(instrument: &Instrument) -> Option<f64> {
-    instrument.roles.hammer.map(|hammer| flex(instrument, hammer, |_| SHANK_LOAD_M))
+    instrument.roles.hammer.and_then(|hammer| flex(instrument, hammer, |_| SHANK_LOAD_M))
 }
 
-fn flex(instrument: &Instrument, piece: usize, load_m: impl Fn(&Placement) -> f64) -> f64 {
-    let load = load_m(&instrument.on_first_piece(piece));
+fn flex(instrument: &Instrument, piece: usize, load_m: impl Fn(&Placement) -> f64) -> Option<f64> {
+    let load = load_m(&instrument.on_first_piece(piece).ok()?);
     let (mut give, mut body) = (0.0, piece);
     while instrument.bodies[body].is_bend {
         let own = instrument.springs.iter().filter(|spring| spring.body == body);
         let stiffness: f64 = own.map(|spring| spring.stiffness_n_m_per_rad).sum();
-        let arm = load - instrument.on_first_piece(body).pivot_m[0];
+        let arm = load - instrument.on_first_piece(body).ok()?.pivot_m[0];
         give += arm * arm / stiffness;
         let Some(parent) = instrument.bodies[body].parent else { break };
         body = parent;
     }
-    give
+    Some(give)
 }
 
 #[cfg(test)]

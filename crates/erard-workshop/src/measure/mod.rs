@@ -27,6 +27,7 @@ pub use entries::{Flag, InertiaNumbers, LoopNumbers, Sheet, TimingRow, TouchNumb
 pub use sheet::{measure, measure_some};
 pub use slow_loop::{SlowLoop, SlowWay, slow_loop};
 
+use erard::IndexError;
 use thiserror::Error;
 
 use crate::cores::Ending;
@@ -47,6 +48,9 @@ pub enum MeasureError {
     /// The instrument is no grand action.
     #[error(transparent)]
     Anatomy(#[from] AnatomyError),
+    /// A part is one of another instrument.
+    #[error(transparent)]
+    Index(#[from] IndexError),
     /// There is no equilibrium.
     #[error(transparent)]
     Equilibrium(#[from] EquilibriumError),

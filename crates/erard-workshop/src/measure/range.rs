@@ -1,5 +1,6 @@
 //! Dynamic range, from the softest note that reaches the string to the loudest: hammer speed against force on the key.
 
+use erard::IndexError;
 use moreau::Settings;
 
 use super::MeasureError;
@@ -79,11 +80,14 @@ pub const MIDI_MAP: &str = "MIDI velocity = 52 + 25 log2(hammer speed in m/s), G
 
 /// Deceleration of the strike point in free rise with the shank level, along its arc, m/s2: moments of weight and pivot
 /// friction over the inertia about the pin. The hammer is one rigid body ([`Instrument::locked`]).
-#[must_use]
-pub(crate) fn fall_m_per_s2(instrument: &Instrument, hammer: usize) -> f64 {
+///
+/// # Errors
+/// There is no such body.
+pub(crate) fn fall_m_per_s2(instrument: &Instrument, hammer: usize) -> Result<f64, IndexError> {
+    let moment_n_m = falling_moment_n_m(instrument, hammer)?;
     let body = &instrument.bodies[hammer];
     let [along, above] = instrument.roles.hammer_strike_point_m;
-    falling_moment_n_m(instrument, hammer) / body.inertia_kg_m2 * along.hypot(above)
+    Ok(moment_n_m / body.inertia_kg_m2 * along.hypot(above))
 }
 
 /// Hammer speed at each of [`FORCES_N`]; `each` receives the number done.
@@ -149,12 +153,12 @@ pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<O
     let flight_m = run.hammer_rise_m[row(contact)] - run.hammer_rise_m[row(off)];
     // The head moves along its part's arc about the centre pin; its rocking on a bending shank is not part of its
     // flight.
-    let rate = run.bodies[instrument.first_piece(parts.hammer)].rate_rad_per_s[row(off)];
+    let rate = run.bodies[instrument.first_piece(parts.hammer)?].rate_rad_per_s[row(off)];
     let flight = SoftFlight {
         let_off_speed_m_per_s: rate.abs() * along.hypot(above),
         flight_m,
         flight_s: contact - off,
-        fall_speed_m_per_s: (2.0 * fall_m_per_s2(&rigid, rigid_hammer) * flight_m.max(0.0)).sqrt(),
+        fall_speed_m_per_s: (2.0 * fall_m_per_s2(&rigid, rigid_hammer)? * flight_m.max(0.0)).sqrt(),
     };
     Ok(Some(Softest { force_n: high, flight: Some(flight) }))
 }

@@ -127,7 +127,7 @@ fn held(
             let travel_m = action.reading().key_m;
             impacts.extend(action.impact());
             match finger {
-                Finger::Presses(_) if action.compression(bottom) > 0.0 => finger = Finger::Stays(now),
+                Finger::Presses(_) if action.mechanism().compression(bottom) > 0.0 => finger = Finger::Stays(now),
                 Finger::Stays(since) if now - since >= stay_s => finger = Finger::IsOff(now),
                 Finger::IsOff(since) if travel_m <= up_m => {
                     returns.push(now - since);

@@ -44,7 +44,7 @@ struct Results {
 /// See [`MeasureError`].
 pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Sheet, MeasureError> {
     let parts = Parts::of(instrument)?;
-    let lifted = pedal_down(instrument, &parts);
+    let lifted = pedal_down(instrument, &parts)?;
     // First the quantities needed by all others: a tenth of the work.
     const FIRST: f64 = 0.1;
     let (mut way, mut distances) = (None, None);
@@ -139,7 +139,7 @@ pub fn measure_some(
 ) -> Result<Vec<Option<f64>>, MeasureError> {
     let needs = |need: Need| lines.iter().any(|line| Need::of(line.key).contains(&need));
     let parts = Parts::of(instrument)?;
-    let lifted = pedal_down(instrument, &parts);
+    let lifted = pedal_down(instrument, &parts)?;
     let by_dip = needs(Need::Half) || needs(Need::Hysteresis);
     let distances = if needs(Need::Distances) || by_dip {
         distances::measure(instrument, &Protocol::default(), progress)?

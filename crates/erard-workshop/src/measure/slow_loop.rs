@@ -93,7 +93,12 @@ pub(crate) fn first_touch(
     let steps = (WAY_S / STEP_S).round() as u64;
     for n in 0..=steps {
         if n.is_multiple_of(RECORD_EVERY) {
-            let touch: Vec<usize> = zones.iter().copied().filter(|&zone| action.contact_force(zone) > 0.0).collect();
+            let mut touch = Vec::new();
+            for &zone in zones {
+                if action.contact_force(zone)? > 0.0 {
+                    touch.push(zone);
+                }
+            }
             if !touch.is_empty() {
                 return Ok(Some((touch, action.reading().key_m)));
             }

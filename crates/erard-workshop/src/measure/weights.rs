@@ -141,7 +141,7 @@ impl PartWeights {
 /// See [`MeasureError`].
 pub fn weigh(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Weights, MeasureError> {
     let parts = Parts::of(instrument)?;
-    let lifted = pedal_down(instrument, &parts);
+    let lifted = pedal_down(instrument, &parts)?;
     let free_way = free_way(&lifted, &parts, progress)?;
     let dampers_down = match parts.damper {
         Some(_) => Some(on_the_key(instrument, free_way.end_m, progress)?),
@@ -253,9 +253,9 @@ pub fn on_the_scale(
     let mut levers = Levers::of(instrument)?;
     let key_front_m = levers.key_front_m;
     let weights = PartWeights {
-        front_weight_g: front_weight_g(instrument, parts, key_front_m),
-        strike_weight_g: strike_weight_g(instrument, parts),
-        whippen_weight_g: whippen_weight_g(instrument, parts, levers.whippen_arm_m),
+        front_weight_g: front_weight_g(instrument, parts, key_front_m)?,
+        strike_weight_g: strike_weight_g(instrument, parts)?,
+        whippen_weight_g: whippen_weight_g(instrument, parts, levers.whippen_arm_m)?,
         key_ratio: levers.capstan_m / key_front_m,
     };
     // A mass at the strike weight's place: at the hammer's arm with the shank level.

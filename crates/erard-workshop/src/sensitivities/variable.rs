@@ -155,7 +155,7 @@ impl Variable {
         let at = |by: f64| {
             let mut varied = plain.clone();
             let value = if parameter.is_factor() { 1.0 + by } else { by };
-            parameter.vary(&mut varied, value).then_some(varied)
+            parameter.vary(&mut varied, value).is_ok().then_some(varied)
         };
         let stuck = |why: String| VariableError::Stuck { name: name.clone(), why };
         let (Some(low), Some(high)) = (at(-half), at(half)) else {
@@ -236,7 +236,8 @@ impl Variable {
             Target::Parameter(parameter, per_si) => {
                 let mut varied = instrument.clone();
                 let si = by / per_si;
-                parameter.vary(&mut varied, if parameter.is_factor() { 1.0 + si } else { si }).then_some(varied)
+                let by = if parameter.is_factor() { 1.0 + si } else { si };
+                parameter.vary(&mut varied, by).is_ok().then_some(varied)
             }
             Target::Force => Some(instrument.clone()),
             Target::Between(sides, half) => {

@@ -1,5 +1,6 @@
 //! Axes of a study (`let_off=-1mm..1mm:41`): what is varied, from where to where, in how many steps.
 
+use erard::IndexError;
 use erard::instrument::{Instrument, InstrumentFile, with_numbers};
 use erard::keyboard::{Between, KEYS, Keyboard, key_named, keys_named};
 use erard::parameter::{
@@ -222,7 +223,7 @@ impl Axis {
         };
         let (unit, suffix, si) = match &target {
             Target::Parameter(parameter) => {
-                let unit = parameter.quantity(instrument).si_unit();
+                let unit = parameter.quantity(instrument)?.si_unit();
                 (unit, unit.replace(' ', "_"), 1.0)
             }
             _ => {
@@ -289,7 +290,8 @@ impl Axis {
         match (0..axis.shown.len()).find(|at| !axis.allows(instrument, *at)) {
             Some(at) => {
                 let found = format!("{} {}", axis.shown[at], axis.unit);
-                Err(format!("`--vary {name}`: {} is out of range; expected {}", found.trim(), axis.allowed(instrument)))
+                let expected = axis.allowed(instrument).map_err(|error| error.to_string())?;
+                Err(format!("`--vary {name}`: {} is out of range; expected {expected}", found.trim()))
             }
             None => Ok(axis),
         }
@@ -351,13 +353,14 @@ impl Axis {
 
     /// A screw, or another parameter.
     fn of_parameter(name: &str, values: &str, parameter: &Parameter, instrument: &Instrument) -> Result<Self, String> {
-        let quantity = parameter.quantity(instrument);
-        let sweep =
-            Sweep::read(values, quantity, parameter.trade_bare(instrument)).map_err(|error| error.to_string())?;
+        let foreign = |error: IndexError| error.to_string();
+        let quantity = parameter.quantity(instrument).map_err(foreign)?;
+        let bare = parameter.trade_bare(instrument).map_err(foreign)?;
+        let sweep = Sweep::read(values, quantity, bare).map_err(|error| error.to_string())?;
         let target = Target::Parameter(parameter.clone());
         if let Parameter::Screw { action, .. } = parameter {
             let (per_si, unit) = action.shown_unit();
-            let setting = parameter.value(instrument);
+            let setting = parameter.value(instrument).map_err(foreign)?;
             // Shown as typed, and turned by what is shown.
             let each = sweep.changes.iter().map(|change| match *change {
                 Change::Set(value) => {
@@ -422,7 +425,10 @@ impl Axis {
     }
 
     /// The argument of [`Parameter::vary`] for an instrument.
-    pub(crate) fn by(&self, parameter: &Parameter, instrument: &Instrument, index: usize) -> f64 {
+    ///
+    /// # Errors
+    /// The instrument has no such part.
+    pub(crate) fn by(&self, parameter: &Parameter, instrument: &Instrument, index: usize) -> Result<f64, IndexError> {
         parameter.by(instrument, self.changes[index])
     }
 
@@ -464,29 +470,29 @@ impl Axis {
             Target::Key | Target::Number(..) | Target::Grading(..) => true,
             Target::Parameter(parameter) => {
                 let [least, most] = parameter.range();
-                (least..=most).contains(&self.by(parameter, instrument, index))
+                self.by(parameter, instrument, index).is_ok_and(|by| (least..=most).contains(&by))
             }
         }
     }
 
-    fn allowed(&self, instrument: &Instrument) -> String {
+    fn allowed(&self, instrument: &Instrument) -> Result<String, IndexError> {
         let parameter = match &self.target {
             Target::Force => {
-                return format!("from 0 to {MAX_FORCE_N} N: a finger pushes the key down, and cannot pull it up");
+                return Ok(format!("from 0 to {MAX_FORCE_N} N: a finger pushes the key down, and cannot pull it up"));
             }
-            Target::Key | Target::Number(..) | Target::Grading(..) => return "a number".into(),
+            Target::Key | Target::Number(..) | Target::Grading(..) => return Ok("a number".into()),
             Target::Parameter(parameter) => parameter,
         };
         let [least, most] = parameter.range();
-        match parameter {
+        Ok(match parameter {
             Parameter::Screw { action, .. } => {
                 let (per_si, unit) = action.shown_unit();
                 format!("at most {} {unit} either way", as_written(most * per_si))
             }
             _ => {
-                let quantity = parameter.quantity(instrument);
+                let quantity = parameter.quantity(instrument)?;
                 let (si, unit) = quantity.trade_unit().map_or((1.0, ""), |unit| (unit.si, unit.symbol));
-                let now = parameter.value(instrument) / si;
+                let now = parameter.value(instrument)? / si;
                 let expected = format!(
                     "a factor from {least} to {most}, which is {:.3e} to {:.3e} {unit}",
                     least * now,
@@ -494,7 +500,7 @@ impl Axis {
                 );
                 expected.trim_end().to_owned()
             }
-        }
+        })
     }
 }
 
@@ -661,11 +667,11 @@ mod tests {
             let axis = Axis::parse(text, &grand(), &read()).unwrap();
             let Target::Parameter(parameter) = &axis.target else { panic!("{text}") };
             let mut varied = grand();
-            let by = axis.by(parameter, &varied, 0);
-            assert!(parameter.vary(&mut varied, by));
-            parameter.value(&varied)
+            let by = axis.by(parameter, &varied, 0).unwrap();
+            parameter.vary(&mut varied, by).unwrap();
+            parameter.value(&varied).unwrap()
         };
-        let mass = Parameter::named(&grand(), "body.hammer.mass").unwrap().1.value(&grand());
+        let mass = Parameter::named(&grand(), "body.hammer.mass").unwrap().1.value(&grand()).unwrap();
         for (text, expected) in [
             ("body.hammer.mass=x1.25", 1.25 * mass),
             ("body.hammer.mass=+0.8g", mass + 0.8e-3),
@@ -753,8 +759,8 @@ mod tests {
             let source = Source::of_text(Instrument::builtin_text(file).unwrap());
             let text = source.text(None);
             for (name, parameter) in Parameter::all(&grand) {
-                let quantity = parameter.quantity(&grand);
-                let wanted = if parameter.is_factor() { 1.01 * parameter.value(&grand) } else { 1e-4 };
+                let quantity = parameter.quantity(&grand).unwrap();
+                let wanted = if parameter.is_factor() { 1.01 * parameter.value(&grand).unwrap() } else { 1e-4 };
                 for unit in quantity.units() {
                     for symbol in unit.also.iter().chain([&unit.symbol]) {
                         let typed = format!("={:e} {symbol}", wanted / unit.si);

@@ -266,9 +266,9 @@ impl Grid<'_> {
         };
         for (axis, &index) in self.axes.iter().zip(indices) {
             if let Target::Parameter(parameter) = &axis.target {
-                let by = axis.by(parameter, &instrument, index);
+                let by = axis.by(parameter, &instrument, index).map_err(|error| error.to_string())?;
                 let [least, most] = parameter.range();
-                if !(least..=most).contains(&by) || !parameter.vary(&mut instrument, by) {
+                if !(least..=most).contains(&by) || parameter.vary(&mut instrument, by).is_err() {
                     return Err(axis.refusal(parameter, index, by));
                 }
             }

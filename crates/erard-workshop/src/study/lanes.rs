@@ -325,9 +325,8 @@ impl<'a> Lane<'a> {
         if self.ledger.is_none() || !changed {
             return;
         }
-        for zone in 0..self.player.instrument.zones.len() {
-            self.extremes.note_compression(time_s, zone, self.observer.compression(zone));
-        }
+        let zones = 0..self.player.instrument.zones.len();
+        self.extremes.note_compressions(time_s, zones.map(|zone| self.observer.compression(zone)));
     }
 
     fn finish(self) -> JobResult {

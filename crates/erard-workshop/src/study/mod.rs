@@ -24,6 +24,7 @@ pub use sampling::{Sampling, SamplingError};
 pub use moreau_kernels::Lanes;
 
 use crate::cores::{self, do_all, job};
+use erard::IndexError;
 use erard::Progress;
 use erard::assembly::describe;
 use erard::instrument::Instrument;
@@ -82,10 +83,8 @@ pub const OUTCOMES: [(&str, Outcome); 10] = [
 /// receives the share done and ends the work by returning false.
 ///
 /// # Errors
-/// A setup out of range, or [`SimulationError::Interrupted`]; an error of one job is that job's result.
-///
-/// # Panics
-/// If a job's instrument does not exist.
+/// A setup out of range, a job of an instrument that does not exist, or [`SimulationError::Interrupted`]; an error of
+/// one job is that job's result.
 pub fn play_all(
     instruments: &[Instrument],
     jobs: Vec<Job<'_>>,
@@ -137,9 +136,6 @@ pub fn play_each(
 ///
 /// # Errors
 /// See [`play_all`].
-///
-/// # Panics
-/// See [`play_all`].
 pub fn sample_all(
     instruments: &[Instrument],
     jobs: Vec<Job<'_>>,
@@ -149,6 +145,7 @@ pub fn sample_all(
     progress: &mut Progress<'_>,
 ) -> Result<Vec<JobResult>, SimulationError> {
     setup.check()?;
+    jobs.iter().try_for_each(|job| IndexError::check("instrument", job.instrument, instruments.len()))?;
     let in_lanes: Vec<bool> =
         instruments.iter().map(|i| Size::of(&describe(i)).has_lanes() && !i.has_yielding_strings()).collect();
     let mut results: Vec<Option<JobResult>> = jobs.iter().map(|_| None).collect();

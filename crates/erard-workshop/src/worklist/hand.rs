@@ -198,18 +198,20 @@ pub(super) fn screw_step(name: &str) -> f64 {
 /// Zone of capstan and heel.
 fn capstan(instrument: &Instrument) -> Result<Option<usize>, MeasureError> {
     let parts = Parts::of(instrument)?;
-    let key = instrument.first_piece(parts.key);
-    Ok(instrument.zones.iter().position(|zone| {
-        let on_key = zone.disc_body.is_some_and(|body| instrument.first_piece(body) == key);
-        on_key && zone.curve_body.is_some_and(|body| instrument.first_piece(body) == parts.whippen)
-    }))
+    let key = instrument.first_piece(parts.key)?;
+    let is_of = |body: Option<usize>, part: usize| {
+        body.and_then(|body| instrument.first_piece(body).ok()).is_some_and(|piece| piece == part)
+    };
+    let is_capstan =
+        |zone: &erard::instrument::Zone| is_of(zone.disc_body, key) && is_of(zone.curve_body, parts.whippen);
+    Ok(instrument.zones.iter().position(is_capstan))
 }
 
 /// Adds a mass to the key, at this distance in front of its pin.
 fn front(instrument: &mut Instrument, mass_g: f64, at_mm: f64) -> Result<(), MeasureError> {
     let parts = Parts::of(instrument)?;
     // The piece behind the pin rests on it.
-    let body = if at_mm > 0.0 { parts.key } else { instrument.first_piece(parts.key) };
+    let body = if at_mm > 0.0 { parts.key } else { instrument.first_piece(parts.key)? };
     let height_m = instrument.bodies[body].center_of_mass_m[1];
     Ok(add_mass(instrument, body, 1e-3 * mass_g, [-1e-3 * at_mm, height_m])?)
 }
@@ -219,7 +221,7 @@ fn hammer(instrument: &mut Instrument, by_g: f64) -> Result<(), MeasureError> {
     let parts = Parts::of(instrument)?;
     let weighed = |instrument: &Instrument| -> Result<f64, MeasureError> {
         let rigid = instrument.locked();
-        Ok(strike_weight_g(&rigid, &Parts::of(&rigid)?))
+        Ok(strike_weight_g(&rigid, &Parts::of(&rigid)?)?)
     };
     let before = weighed(instrument)?;
     let height_m = instrument.bodies[parts.hammer].center_of_mass_m[1];
@@ -246,7 +248,9 @@ pub(super) fn ease(
     progress: &mut Progress<'_>,
 ) -> Result<(), MeasureError> {
     let anatomy = Anatomy::find(instrument)?;
-    let all = [anatomy.key, anatomy.whippen, anatomy.hammer].map(|body| instrument.first_piece(body));
+    let [key, whippen, hammer] =
+        [anatomy.key, anatomy.whippen, anatomy.hammer].map(|body| instrument.first_piece(body));
+    let all = [key?, whippen?, hammer?];
     let pins = if rubs == Rubs::Key { &all[..1] } else { &all[..] };
     let eased = |instrument: &Instrument, factor: f64| -> Result<Instrument, InvalidInstrument> {
         let mut eased = instrument.clone();

@@ -113,7 +113,7 @@ fn touch_weights_follow_the_norms() {
     for (key, least, most) in medium {
         let instrument = &instruments[key - 1];
         let parts = Parts::of(instrument).expect("a grand action");
-        let lifted = pedal_down(instrument, &parts);
+        let lifted = pedal_down(instrument, &parts).unwrap();
         let way = weights::free_way(&lifted, &parts, &mut |_| true).expect("let off");
         let touch = weights::on_the_key(&lifted, way.end_m, &mut |_| true).expect("weighed");
         let (scale, _) = weights::on_the_scale(instrument, way.end_m, touch.decided_m).expect("weighed");

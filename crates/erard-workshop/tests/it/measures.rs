@@ -347,7 +347,7 @@ fn inertia_is_what_a_force_accelerates() {
             }
         })
         .unwrap();
-    let lifted = pedal_down(&stiff, &Parts::of(&stiff).unwrap());
+    let lifted = pedal_down(&stiff, &Parts::of(&stiff).unwrap()).unwrap();
     let slow = slow_loop(&lifted, 5e-3, &mut go).unwrap().down;
     let curve = inertia(&stiff, 5e-3, &mut go).unwrap();
     let force = |t: f64| 1.0 - (50.0 * t.min(0.06)).cos();
@@ -385,7 +385,8 @@ fn lower_let_off(instrument: &mut Instrument, by_m: f64) {
 fn let_off_distance(instrument: &Instrument) -> f64 {
     let press = slow_loop(instrument, 10e-3, &mut go).unwrap();
     let string = instrument.roles.string.unwrap();
-    -Action::new(instrument).unwrap().compression(string) - press.down.head_m.iter().copied().fold(0.0, f64::max)
+    -Action::new(instrument).unwrap().compression(string).unwrap()
+        - press.down.head_m.iter().copied().fold(0.0, f64::max)
 }
 
 /// From twice the distance the hammer flies longer, and must be released faster to reach the string: v = sqrt(2 a d),

@@ -80,7 +80,7 @@ fn the_rest_moves_as_that_of_a_press_or_is_held() {
     let speed = |name: &str, by: f64, held: bool| {
         let (_, parameter) = parameters.iter().find(|(known, _)| known == name).unwrap();
         let mut varied = instrument.clone();
-        assert!(parameter.vary(&mut varied, 1.0 + by));
+        parameter.vary(&mut varied, 1.0 + by).unwrap();
         let mut action = Action::with(&varied, Settings::new(5e-6)).unwrap();
         if held {
             action.mechanism_mut().restore(&rest);
@@ -242,7 +242,7 @@ fn columns_have_derivatives() {
         let by = if parameter.is_factor() { 1e-2 } else { 2e-5 };
         let at = |by: f64| {
             let mut varied = instrument.clone();
-            assert!(parameter.vary(&mut varied, if parameter.is_factor() { 1.0 + by } else { by }));
+            parameter.vary(&mut varied, if parameter.is_factor() { 1.0 + by } else { by }).unwrap();
             run(&varied)
         };
         let (low, high) = (at(-by), at(by));

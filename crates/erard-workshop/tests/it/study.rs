@@ -356,11 +356,20 @@ fn a_grid_plays_every_combination() {
     let mut own = instrument.clone();
     let key = Parameter::named(&own, "body.key.mass").expect("a mass").1;
     let screw = own.screw("let_off").expect("a screw");
-    assert!(key.vary(&mut own, 0.9) && own.turn(screw, 2e-4));
+    assert!(key.vary(&mut own, 0.9).is_ok() && own.turn(screw, 2e-4));
     let alone = simulate(&own, &player::force(|_| 6.0), &setup, &mut |_| true).expect("played");
     let played = rows[3].outcome.as_ref().expect("played");
     let [found, wanted] = [&played.events, &alone.events].map(|events| events.key_start_s.expect("it moves"));
     assert!((found - wanted).abs() < 1e-9, "{found} {wanted}");
     assert!(matches!(grid.play(&mut |_| false), Err(SimulationError::Interrupted)));
     assert!(Axis::of_values("let_of", vec![0.0], &instrument, &source).is_err());
+}
+
+/// A job of an instrument that does not exist is refused before anything is played.
+#[test]
+fn a_job_needs_its_instrument() {
+    let job = Job { instrument: 2, stroke: stroke(0, 5.0) };
+    let instruments = [grand(), grand()];
+    let error = play_all(&instruments, vec![job], &SETUP(), threads(1), &mut |_| true).unwrap_err();
+    assert_eq!(error.to_string(), "found instrument 2, expected one of 2, counted from 0");
 }

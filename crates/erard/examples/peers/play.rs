@@ -414,7 +414,7 @@ fn strike(instrument: &Instrument) -> Result<(Strike, Vec<Link>), Box<dyn std::e
         (arm_m, carrier) = (instrument.bodies[body].pivot_m, instrument.bodies[body].parent);
     }
     let pin_m = arm_m[0] * direction[0] + arm_m[1] * direction[1];
-    let [x, y] = instrument.on_first_piece(body).to_world(roles.hammer_strike_point_m);
+    let [x, y] = instrument.on_first_piece(body).expect("the hammer").to_world(roles.hammer_strike_point_m);
     let strike = Strike { body, point_m: roles.hammer_strike_point_m, direction, meets_m, pin_m, radius_m: x.hypot(y) };
     Ok((strike, links))
 }

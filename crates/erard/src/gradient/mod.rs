@@ -68,6 +68,12 @@ pub enum GradientError {
     /// Error control.
     #[error("derivatives need fixed steps; remove the tolerance")]
     Controlled,
+    /// More directions than the dual numbers hold.
+    #[error("found {found} directions, expected at most {DIRECTIONS}")]
+    Directions {
+        /// Number of directions.
+        found: usize,
+    },
 }
 
 impl GradientError {
@@ -203,9 +209,6 @@ pub fn check(instrument: &Instrument) -> Result<(), GradientError> {
 /// See [`GradientError`].
 ///
 /// Call it on a thread with [`STACK_BYTES`] of stack.
-///
-/// # Panics
-/// If there are more directions than fit.
 pub fn follow(
     instrument: &Instrument,
     directions: &[Direction],
@@ -216,7 +219,9 @@ pub fn follow(
     progress: &mut Progress<'_>,
 ) -> Result<Followed, GradientError> {
     let How { sample_every, passes_unresolved } = how;
-    assert!(directions.len() <= DIRECTIONS, "at most {DIRECTIONS} directions");
+    if directions.len() > DIRECTIONS {
+        return Err(GradientError::Directions { found: directions.len() });
+    }
     let steps = setup.check()?;
     if setup.tolerance.is_some() {
         return Err(GradientError::Controlled);

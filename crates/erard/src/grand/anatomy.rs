@@ -1,6 +1,7 @@
 //! Finds the parts of a grand action, as a technician names them, among bodies and zones by their contacts, so that no
 //! file has to name them.
 
+use crate::index::IndexError;
 use crate::instrument::{Instrument, Zone};
 
 /// A part that a grand action needs for regulation is missing or misplaced.
@@ -28,6 +29,9 @@ pub enum AnatomyError {
         /// Name of the body.
         body: String,
     },
+    /// An index of the parts is one of another instrument.
+    #[error("the parts are those of another instrument: {0}")]
+    Foreign(#[from] IndexError),
 }
 
 /// The parts of a grand action: indices of bodies and zones.
@@ -89,7 +93,7 @@ impl Anatomy {
         let lifted =
             zones.iter().enumerate().filter(|(_, zone)| touches(instrument, zone, key)).find_map(|(index, zone)| {
                 let other = other_than(instrument, zone, key)?;
-                let is_part = |body| instrument.is_same_part(other, body);
+                let is_part = |body| is_same_part(instrument, other, body);
                 let stands_alone = !is_part(whippen) && !is_part(hammer) && instrument.bodies[other].parent.is_none();
                 stands_alone.then_some((other, index))
             });
@@ -110,14 +114,19 @@ impl Anatomy {
     }
 }
 
+/// Whether two bodies of the instrument are pieces of one part.
+fn is_same_part(instrument: &Instrument, a: usize, b: usize) -> bool {
+    instrument.first_piece_of(a) == instrument.first_piece_of(b)
+}
+
 /// Whether a side of the zone is a piece of a body's part.
 fn touches(instrument: &Instrument, zone: &Zone, body: usize) -> bool {
-    [zone.disc_body, zone.curve_body].into_iter().flatten().any(|side| instrument.is_same_part(side, body))
+    [zone.disc_body, zone.curve_body].into_iter().flatten().any(|side| is_same_part(instrument, side, body))
 }
 
 /// The side of a zone that is no piece of a body's part.
 fn other_than(instrument: &Instrument, zone: &Zone, body: usize) -> Option<usize> {
-    let is_piece = zone.disc_body.is_some_and(|side| instrument.is_same_part(side, body));
+    let is_piece = zone.disc_body.is_some_and(|side| is_same_part(instrument, side, body));
     if is_piece { zone.curve_body } else { zone.disc_body }
 }
 

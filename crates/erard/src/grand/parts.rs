@@ -1,6 +1,7 @@
 //! Parts taken out of the action, or out of the key's reach, to weigh the rest.
 
 use super::{Anatomy, AnatomyError};
+use crate::index::IndexError;
 use crate::instrument::{Instrument, Zone};
 
 /// The parts that are weighed, and where let-off begins. Indices into
@@ -58,13 +59,16 @@ fn carries(instrument: &Instrument, part: usize, mut body: usize) -> bool {
 }
 
 /// The instrument under its sustaining pedal: the damper hangs out of the key's reach.
-#[must_use]
-pub fn pedal_down(instrument: &Instrument, parts: &Parts) -> Instrument {
+///
+/// # Errors
+/// [`AnatomyError::Foreign`]: the parts are not those of the instrument.
+pub fn pedal_down(instrument: &Instrument, parts: &Parts) -> Result<Instrument, AnatomyError> {
     let mut lifted = instrument.clone();
     if let Some((zone, _)) = parts.damper {
+        IndexError::check("zone", zone, instrument.zones.len())?;
         // A felt without stiffness or damping gives no force: the key passes as if nothing were there.
         lifted.fields.zones[zone].felt.remove();
         lifted.fields.zones[zone].friction_coefficient = 0.0;
     }
-    lifted
+    Ok(lifted)
 }

@@ -7,6 +7,7 @@
 
 use super::placement::Placement;
 use super::{Body, Curve, DrawnPart, Instrument, InstrumentFields, Roles, Screw, ScrewAction, Spring, Vec2, Zone};
+use crate::index::IndexError;
 
 impl Instrument {
     /// Whether any part bends.
@@ -17,8 +18,16 @@ impl Instrument {
 
     /// Returns the first piece of the part that a body belongs to: the piece whose own hinge is not a bend. A body that
     /// is not hinged by a bend is its own first piece.
-    #[must_use]
-    pub fn first_piece(&self, mut body: usize) -> usize {
+    ///
+    /// # Errors
+    /// There is no such body.
+    pub fn first_piece(&self, body: usize) -> Result<usize, IndexError> {
+        IndexError::check("body", body, self.bodies.len())?;
+        Ok(self.first_piece_of(body))
+    }
+
+    /// [`Instrument::first_piece`] of a body that exists.
+    pub(crate) fn first_piece_of(&self, mut body: usize) -> usize {
         while self.bodies[body].is_bend {
             let Some(parent) = self.bodies[body].parent else { break };
             body = parent;
@@ -27,21 +36,30 @@ impl Instrument {
     }
 
     /// Placement of a piece's frame in the frame of its part's first piece, as drawn.
-    #[must_use]
-    pub fn on_first_piece(&self, piece: usize) -> Placement {
+    ///
+    /// # Errors
+    /// There is no such body.
+    pub fn on_first_piece(&self, piece: usize) -> Result<Placement, IndexError> {
+        IndexError::check("body", piece, self.bodies.len())?;
+        Ok(self.placement_on_first(piece))
+    }
+
+    fn placement_on_first(&self, piece: usize) -> Placement {
         let body = &self.bodies[piece];
         if !body.is_bend {
             return Placement::GROUND;
         }
         let (place, drawn) =
-            body.parent.map_or((Placement::GROUND, 0.0), |p| (self.on_first_piece(p), self.bodies[p].angle_rad));
+            body.parent.map_or((Placement::GROUND, 0.0), |p| (self.placement_on_first(p), self.bodies[p].angle_rad));
         Placement { pivot_m: place.to_world(body.pivot_m), angle_rad: place.angle_rad + body.angle_rad - drawn }
     }
 
     /// Whether two bodies are pieces of one part.
-    #[must_use]
-    pub fn is_same_part(&self, a: usize, b: usize) -> bool {
-        self.first_piece(a) == self.first_piece(b)
+    ///
+    /// # Errors
+    /// One of them does not exist.
+    pub fn is_same_part(&self, a: usize, b: usize) -> Result<bool, IndexError> {
+        Ok(self.first_piece(a)? == self.first_piece(b)?)
     }
 
     /// Returns the instrument with all bends locked as drawn. The pieces of a part become one rigid body, in the frame
@@ -57,7 +75,7 @@ impl Instrument {
         let count = self.bodies.len();
         // For every piece: the index of the rigid body that it joins, and its placement in that body's frame.
         let mut becomes = vec![None; count];
-        let placed: Vec<Placement> = (0..count).map(|piece| self.on_first_piece(piece)).collect();
+        let placed: Vec<Placement> = (0..count).map(|piece| self.placement_on_first(piece)).collect();
         let mut bodies: Vec<Body> = Vec::new();
         for (i, body) in self.bodies.iter().enumerate() {
             // The rigid body that carries the hinge (or the ground), and the placement of the carrying piece in its

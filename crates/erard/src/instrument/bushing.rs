@@ -6,6 +6,7 @@
 //! ([`Instrument::locked`]).
 
 use super::{Body, Instrument, Spring};
+use crate::index::IndexError;
 
 /// Length of the arm, m: long enough that the pivot's path is practically straight over the compression of a bushing.
 const ARM_M: f64 = 0.3;
@@ -24,8 +25,16 @@ impl Instrument {
     /// Returns the instrument with a bushing of the given stiffness, N/m, and damping, N s/m, at a body's pivot. The
     /// pivot can move at right angles to the x axis of the body that carries it (up and down on the ground). The
     /// bushing adds a body, right before this one, and a spring, the last.
-    #[must_use]
-    pub fn with_bushing(&self, body: usize, n_per_m: f64, n_s_per_m: f64) -> Instrument {
+    ///
+    /// # Errors
+    /// There is no such body.
+    pub fn with_bushing(&self, body: usize, n_per_m: f64, n_s_per_m: f64) -> Result<Instrument, IndexError> {
+        IndexError::check("body", body, self.bodies.len())?;
+        Ok(self.with_bushing_at(body, n_per_m, n_s_per_m))
+    }
+
+    /// [`Instrument::with_bushing`] of a body that exists.
+    pub(crate) fn with_bushing_at(&self, body: usize, n_per_m: f64, n_s_per_m: f64) -> Instrument {
         let mut other = self.fields.clone();
         let own = &self.bodies[body];
         let (name, square) = (self.bushing_name(body), ARM_M * ARM_M);

@@ -177,7 +177,7 @@ fn read_bushings(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &
             let expected = format!("at most {MAX_BODIES} bodies and {MAX_SPRINGS} springs, one of each per bushing");
             return Err(Fault::at(stiffness.span(), "there is no room for a bushing", expected));
         }
-        *instrument = instrument.with_bushing(body, n_per_m, n_s_per_m);
+        *instrument = instrument.with_bushing_at(body, n_per_m, n_s_per_m);
     }
     Ok(())
 }

@@ -11,6 +11,7 @@ pub use moreau_kernels::Tick;
 
 use crate::assembly::{describe, probes};
 use crate::identity::Identity;
+use crate::index::IndexError;
 use crate::instrument::Instrument;
 use crate::mechanism::{Halving, Impact, TellNumbers};
 use crate::player::rest::Rest;
@@ -86,7 +87,7 @@ impl Keys {
         let impacts = Vec::with_capacity(instruments.len());
         let mut keys = Keys { bank, own, impacts };
         for key in 1..=keys.count() {
-            keys.place_hand(key, 0.0, 0.0);
+            keys.place_hand_at(key - 1, 0.0, 0.0);
         }
         let mut steps = (SETTLING_S / settings.step) as u64;
         while keys.awake() > 0 && steps > 0 {
@@ -114,10 +115,17 @@ impl Keys {
         self.bank.awake().len()
     }
 
+    /// Index of a key.
+    fn index(&self, key: usize) -> Result<usize, IndexError> {
+        IndexError::key(key, self.own.len())
+    }
+
     /// Whether a key is awake.
-    #[must_use]
-    pub fn is_awake(&self, key: usize) -> bool {
-        self.bank.is_awake(key - 1)
+    ///
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn is_awake(&self, key: usize) -> Result<bool, IndexError> {
+        Ok(self.bank.is_awake(self.index(key)?))
     }
 
     /// The present instant, s.
@@ -129,35 +137,44 @@ impl Keys {
     /// Sets the drive of a key from the next step on, until another is set. Wakes the key if the drive is new. An
     /// imposed motion ([`Input::Rigid`]) holds its velocity; [`Keys::impose`] follows its position as well.
     ///
-    /// # Panics
-    /// If there is no such key; keys count from 1.
-    pub fn drive(&mut self, key: usize, input: Input) {
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn drive(&mut self, key: usize, input: Input) -> Result<(), IndexError> {
+        let index = self.index(key)?;
         let imposed = || if let Input::Rigid { velocity_m_per_s, .. } = input { velocity_m_per_s } else { 0.0 };
-        let own = &mut self.own[key - 1];
+        let own = &mut self.own[index];
         own.aimed_m = None;
         let input = own.rest.engine_input(&input, imposed);
-        self.bank.drive(key - 1, &input);
+        self.bank.drive(index, &input);
+        Ok(())
     }
 
     /// Imposes the motion of a key's front on the next step, as [`Action::step`] does with [`Input::Rigid`]: position
     /// at its end, m below the front's rest, and velocity, m/s. Call it before every step of the motion.
     ///
-    /// # Panics
-    /// If there is no such key; keys count from 1.
-    pub fn impose(&mut self, key: usize, position_m: f64, velocity_m_per_s: f64) {
-        let (site_m, h) = (self.output(key).site_m, self.settings().step);
-        let own = &mut self.own[key - 1];
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn impose(&mut self, key: usize, position_m: f64, velocity_m_per_s: f64) -> Result<(), IndexError> {
+        let index = self.index(key)?;
+        let (site_m, h) = (self.bank.output(index).site_m, self.settings().step);
+        let own = &mut self.own[index];
         let velocity = own.rest.imposed([position_m, velocity_m_per_s], &mut own.aimed_m, site_m, h);
-        self.bank.drive(key - 1, &moreau::SiteInput::Rigid { velocity });
+        self.bank.drive(index, &moreau::SiteInput::Rigid { velocity });
+        Ok(())
     }
 
     /// Places the hand on a key: [`Action::place_hand`]. Wakes the key.
     ///
-    /// # Panics
-    /// If there is no such key.
-    pub fn place_hand(&mut self, key: usize, position_m: f64, velocity_m_per_s: f64) {
-        let site_m = self.own[key - 1].rest.site_m;
-        self.bank.place_hand(key - 1, [site_m + position_m, velocity_m_per_s]);
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn place_hand(&mut self, key: usize, position_m: f64, velocity_m_per_s: f64) -> Result<(), IndexError> {
+        self.place_hand_at(self.index(key)?, position_m, velocity_m_per_s);
+        Ok(())
+    }
+
+    fn place_hand_at(&mut self, index: usize, position_m: f64, velocity_m_per_s: f64) {
+        let site_m = self.own[index].rest.site_m;
+        self.bank.place_hand(index, [site_m + position_m, velocity_m_per_s]);
     }
 
     /// Sends the sustain pedal's rail to a lift, m, under all keys that have one; see [`Strings::set_pedal`]. Wakes
@@ -165,7 +182,7 @@ impl Keys {
     pub fn set_pedal(&mut self, lift_m: f64) {
         for index in 0..self.bank.count() {
             let aim = |strings: &Strings| strings.pedal_aim_m().filter(|aim_m| *aim_m != lift_m);
-            if self.strings(index + 1).and_then(aim).is_some()
+            if self.strings_at(index).and_then(aim).is_some()
                 && let Some(surfaces) = self.bank.surfaces_mut(index)
                 && let Some(strings) = surfaces.as_any_mut().downcast_mut::<Strings>()
             {
@@ -203,80 +220,112 @@ impl Keys {
     }
 
     /// Output of a key's last step.
-    fn output(&self, key: usize) -> StepOutput {
-        self.bank.output(key - 1)
+    fn output(&self, key: usize) -> Result<StepOutput, IndexError> {
+        Ok(self.bank.output(self.index(key)?))
     }
 
     /// The readings of a key after the last step, as an [`Action`]'s; its outcome is
     /// [`StepOutcome::Converged`], for [`Tick`] counts those of a step.
-    #[must_use]
-    pub fn reading(&self, key: usize) -> Reading {
-        let reading = Reading::of(&self.output(key), &self.own[key - 1].rest);
-        Reading { outcome: StepOutcome::Converged, ..reading }
+    ///
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn reading(&self, key: usize) -> Result<Reading, IndexError> {
+        let reading = Reading::of(&self.output(key)?, &self.own[self.index(key)?].rest);
+        Ok(Reading { outcome: StepOutcome::Converged, ..reading })
     }
 
     /// Force between a key's hammer and its string in the last step, N.
-    #[must_use]
-    pub fn string_force(&self, key: usize) -> f64 {
-        self.output(key).zone_n
+    ///
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn string_force(&self, key: usize) -> Result<f64, IndexError> {
+        Ok(self.output(key)?.zone_n)
     }
 
     /// A key's strings, where they sound: their force on the bridge ([`Strings::bridge_n`]), for one.
-    #[must_use]
-    pub fn strings(&self, key: usize) -> Option<&Strings> {
-        self.bank.surfaces(key - 1)?.as_any().downcast_ref()
+    ///
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn strings(&self, key: usize) -> Result<Option<&Strings>, IndexError> {
+        Ok(self.strings_at(self.index(key)?))
+    }
+
+    fn strings_at(&self, index: usize) -> Option<&Strings> {
+        self.bank.surfaces(index)?.as_any().downcast_ref()
     }
 
     /// Force of the strings of all keys on the bridge now, N: the sum of [`Strings::bridge_n`] in the order of the
     /// keys, with what the dampers at rest press; 0 where no strings sound.
     #[must_use]
     pub fn bridge_n(&self) -> f64 {
-        (1..=self.count()).filter_map(|key| self.strings(key)).map(Strings::bridge_n).sum()
+        (0..self.count()).filter_map(|index| self.strings_at(index)).map(Strings::bridge_n).sum()
     }
 
     /// Force of the finger on a key in the last step, N.
-    #[must_use]
-    pub fn finger_force_n(&self, key: usize) -> f64 {
-        self.output(key).drive_n
+    ///
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn finger_force_n(&self, key: usize) -> Result<f64, IndexError> {
+        Ok(self.output(key)?.drive_n)
     }
 
     /// Travel of a key's front from its rest, down positive, m.
-    #[must_use]
-    pub fn key_m(&self, key: usize) -> f64 {
-        self.output(key).site_m - self.own[key - 1].rest.site_m
+    ///
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn key_m(&self, key: usize) -> Result<f64, IndexError> {
+        let index = self.index(key)?;
+        Ok(self.bank.output(index).site_m - self.own[index].rest.site_m)
     }
 
     /// Absolute angles of a key's bodies, rad.
-    #[must_use]
-    pub fn angles(&self, key: usize) -> &[f64] {
-        self.bank.angles(key - 1)
+    ///
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn angles(&self, key: usize) -> Result<&[f64], IndexError> {
+        Ok(self.bank.angles(self.index(key)?))
     }
 
     /// Absolute angular velocities of a key's bodies, rad/s.
-    #[must_use]
-    pub fn velocities(&self, key: usize) -> &[f64] {
-        self.bank.velocities(key - 1)
+    ///
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn velocities(&self, key: usize) -> Result<&[f64], IndexError> {
+        Ok(self.bank.velocities(self.index(key)?))
     }
 
     /// Saves everything that a key's following steps depend on. An [`Action`] of the same instrument can continue from
     /// it, and the reverse.
-    #[must_use]
-    pub fn save(&self, key: usize) -> Snapshot {
-        Snapshot::new(self.mechanism_state(key), self.bank.surfaces(key - 1))
+    ///
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn save(&self, key: usize) -> Result<Snapshot, IndexError> {
+        Ok(Snapshot::new(self.mechanism_state(key)?, self.bank.surfaces(self.index(key)?)))
     }
 
     /// The state of a key without the vibration of its strings: [`Action::mechanism_state`].
-    #[must_use]
-    pub fn mechanism_state(&self, key: usize) -> MechanismState {
-        let own = &self.own[key - 1];
-        MechanismState::new(&own.identity, self.settings(), self.bank.save(key - 1), own.aimed_m)
+    ///
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn mechanism_state(&self, key: usize) -> Result<MechanismState, IndexError> {
+        let index = self.index(key)?;
+        let own = &self.own[index];
+        Ok(MechanismState::new(&own.identity, self.settings(), self.bank.save(index), own.aimed_m))
     }
 
     /// [`Action::save_strings`] of a key.
-    pub fn save_strings(&self, key: usize, put: &mut dyn FnMut(&'static str, &mut dyn Iterator<Item = f64>)) {
-        if let Some(strings) = self.bank.surfaces(key - 1) {
+    ///
+    /// # Errors
+    /// There is no such key; keys count from 1.
+    pub fn save_strings(
+        &self,
+        key: usize,
+        put: &mut dyn FnMut(&'static str, &mut dyn Iterator<Item = f64>),
+    ) -> Result<(), IndexError> {
+        if let Some(strings) = self.bank.surfaces(self.index(key)?) {
             strings.save(put);
         }
+        Ok(())
     }
 
     /// Continues a key from a snapshot of the same instrument and settings, to the bit; its input stays. Its clock
@@ -298,8 +347,9 @@ impl Keys {
         state: &MechanismState,
         strings: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize,
     ) -> Result<(), SnapshotError> {
-        state.open(&self.own[key - 1].identity, self.settings())?;
-        self.bank.surfaces(key - 1).map_or(Ok(()), |surfaces| strings_are_finite(surfaces, strings))
+        let index = self.index(key)?;
+        state.open(&self.own[index].identity, self.settings())?;
+        self.bank.surfaces(index).map_or(Ok(()), |surfaces| strings_are_finite(surfaces, strings))
     }
 
     /// Restores a key from the parts of a state: [`Action::restore_from`].
@@ -313,14 +363,15 @@ impl Keys {
         strings: &dyn Fn(&str, &mut TellNumbers<'_>) -> usize,
     ) -> Result<(), SnapshotError> {
         self.restorable(key, state, strings)?;
-        let (mut saved, aimed_m) = state.open(&self.own[key - 1].identity, self.settings())?;
-        self.own[key - 1].aimed_m = aimed_m;
+        let index = self.index(key)?;
+        let (mut saved, aimed_m) = state.open(&self.own[index].identity, self.settings())?;
+        self.own[index].aimed_m = aimed_m;
         let later_s = self.bank.now_s() - saved.now_s;
         for [time_s, ..] in saved.flight.iter_mut().flatten() {
             *time_s += later_s;
         }
-        self.bank.restore(key - 1, &saved);
-        if let Some(surfaces) = self.bank.surfaces_mut(key - 1) {
+        self.bank.restore(index, &saved);
+        if let Some(surfaces) = self.bank.surfaces_mut(index) {
             surfaces.restore(strings);
         }
         Ok(())

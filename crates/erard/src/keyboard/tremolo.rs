@@ -84,7 +84,8 @@ impl Tremolo {
         for finger in &mut self.fingers {
             if finger.playing {
                 let force_n = self.force_n[finger.tick];
-                self.keys.drive(finger.key, Input::Force(force_n));
+                // A finger's stretch lies within the keyboard.
+                let _ = self.keys.drive(finger.key, Input::Force(force_n));
                 pressed(finger.key, force_n);
             }
             finger.tick += 1;

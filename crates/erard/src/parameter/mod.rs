@@ -14,7 +14,7 @@ mod words;
 
 pub use crate::instrument::FileNumber;
 pub use crate::units::{Bare, Change, NumberError, Quantity, Sweep, Unit, list_items};
-pub use register::{NameError, Parameter, file_unit, nearest, ten_digits};
+pub use register::{NameError, Parameter, VaryError, file_unit, nearest, ten_digits};
 pub use varied::{
     ChangeError, Entry, ParameterChange, acting_number, in_file_unit, known_name, number_of, register, varied,
     varied_of, varied_text, with_changed_numbers,

@@ -1,5 +1,6 @@
 //! Register of an instrument's numbers that can be changed by name.
 
+use crate::index::IndexError;
 use crate::instrument::reader::MM_PER_M;
 use crate::instrument::{FileNumber, Instrument, ScrewAction, numbers_at};
 use thiserror::Error;
@@ -106,7 +107,31 @@ pub enum NameError {
     },
 }
 
+/// Reason why [`Parameter::vary`] changes nothing.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum VaryError {
+    /// The instrument has no such part: the parameter is another instrument's.
+    #[error(transparent)]
+    Index(#[from] IndexError),
+    /// The factor is not positive, or not finite.
+    #[error("found the factor {found}, expected a positive number")]
+    Factor {
+        /// Factor found.
+        found: f64,
+    },
+    /// The screw cannot be turned by so much.
+    #[error("the screw cannot be turned by {found}, expected a finite number by which no spring turns around")]
+    Turn {
+        /// Turn found, m, rad or N m.
+        found: f64,
+    },
+}
+
 /// A number of an instrument that can be changed by name.
+///
+/// The index is that of a list of the instrument. Every method compares it with the instrument that it gets: one with
+/// too few parts is an [`IndexError`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum Parameter {
     /// A screw, turned from its setting, m, rad or N m.
@@ -165,8 +190,23 @@ impl Parameter {
                 all.push(Parameter::Friction(i));
             }
         }
-        all.into_iter().map(|parameter| (parameter.name(instrument), parameter)).collect()
+        all.into_iter().map(|parameter| (parameter.name_in(instrument), parameter)).collect()
     }
+
+    /// Checks that the instrument has the part whose number it is.
+    fn check(&self, instrument: &Instrument) -> Result<(), IndexError> {
+        let (what, index, count) = match *self {
+            Parameter::Screw { screw, .. } => ("screw", screw, instrument.screws.len()),
+            Parameter::Mass(i) | Parameter::PivotFriction(i) => ("body", i, instrument.bodies.len()),
+            Parameter::Torque(i) | Parameter::SpringStiffness(i) => ("spring", i, instrument.springs.len()),
+            Parameter::Stiffness(i) | Parameter::Damping(i) | Parameter::Friction(i) => {
+                ("zone", i, instrument.zones.len())
+            }
+        };
+        IndexError::check(what, index, count)
+    }
+
+    // Those that end with `_in` are called where the instrument has the part.
 
     /// Name of the part whose number it is.
     fn part<'i>(&self, instrument: &'i Instrument) -> &'i str {
@@ -179,8 +219,15 @@ impl Parameter {
     }
 
     /// Name of the parameter, as in [`Parameter::all`].
-    #[must_use]
-    pub fn name(&self, instrument: &Instrument) -> String {
+    ///
+    /// # Errors
+    /// The instrument has no such part.
+    pub fn name(&self, instrument: &Instrument) -> Result<String, IndexError> {
+        self.check(instrument)?;
+        Ok(self.name_in(instrument))
+    }
+
+    fn name_in(&self, instrument: &Instrument) -> String {
         let (list, what) = match self {
             Parameter::Screw { .. } => return self.part(instrument).to_owned(),
             Parameter::Mass(_) => ("body", "mass"),
@@ -228,27 +275,38 @@ impl Parameter {
     }
 
     /// Physical quantity of the parameter's value.
-    #[must_use]
-    pub fn quantity(&self, instrument: &Instrument) -> Quantity {
+    ///
+    /// # Errors
+    /// The instrument has no such part.
+    pub fn quantity(&self, instrument: &Instrument) -> Result<Quantity, IndexError> {
+        self.check(instrument)?;
+        Ok(self.quantity_in(instrument))
+    }
+
+    pub(super) fn quantity_in(&self, instrument: &Instrument) -> Quantity {
         self.file_number(instrument).map_or(Quantity::Number, |number| number.quantity().0)
     }
 
     /// Unit in which technicians read the value; the command takes a number without a unit in it.
-    #[must_use]
-    pub fn trade_bare(&self, instrument: &Instrument) -> Bare {
-        self.quantity(instrument).trade_unit().map_or(Bare::Si, |unit| Bare::In(unit.symbol))
+    ///
+    /// # Errors
+    /// The instrument has no such part.
+    pub fn trade_bare(&self, instrument: &Instrument) -> Result<Bare, IndexError> {
+        Ok(self.quantity(instrument)?.trade_unit().map_or(Bare::Si, |unit| Bare::In(unit.symbol)))
     }
 
     /// Argument of [`Parameter::vary`] that makes a change, in SI units: the turn of a screw, or a factor.
-    #[must_use]
-    pub fn by(&self, instrument: &Instrument, change: Change) -> f64 {
-        let now = self.value(instrument);
-        match (self.is_factor(), change) {
+    ///
+    /// # Errors
+    /// The instrument has no such part.
+    pub fn by(&self, instrument: &Instrument, change: Change) -> Result<f64, IndexError> {
+        let now = self.value(instrument)?;
+        Ok(match (self.is_factor(), change) {
             (false, Change::Add(by)) => by,
             (true, Change::Multiply(factor)) => factor,
             (false, change) => change.of(now) - now,
             (true, change) => change.of(now) / now,
-        }
+        })
     }
 
     /// Whether [`Parameter::vary`] takes factors, which must be positive, rather than turns.
@@ -271,8 +329,15 @@ impl Parameter {
 
     /// Returns the value in an instrument, in SI units: a screw's setting, a mass, a torque, a felt's stiffness or
     /// damping, a coefficient.
-    #[must_use]
-    pub fn value(&self, instrument: &Instrument) -> f64 {
+    ///
+    /// # Errors
+    /// The instrument has no such part.
+    pub fn value(&self, instrument: &Instrument) -> Result<f64, IndexError> {
+        self.check(instrument)?;
+        Ok(self.value_in(instrument))
+    }
+
+    pub(super) fn value_in(&self, instrument: &Instrument) -> f64 {
         match *self {
             Parameter::Screw { screw, .. } => instrument.screws[screw].setting,
             Parameter::Mass(i) => instrument.bodies[i].mass_kg,
@@ -286,15 +351,29 @@ impl Parameter {
     }
 
     /// Path of the parameter's number in the instrument's file; empty of the damping of a felt without a loss.
-    #[must_use]
-    pub fn path(&self, instrument: &Instrument) -> String {
+    ///
+    /// # Errors
+    /// The instrument has no such part.
+    pub fn path(&self, instrument: &Instrument) -> Result<String, IndexError> {
+        self.check(instrument)?;
+        Ok(self.path_in(instrument))
+    }
+
+    pub(super) fn path_in(&self, instrument: &Instrument) -> String {
         self.file_number(instrument).map_or_else(String::new, |number| number.path(self.part(instrument)))
     }
 
     /// Paths of all numbers of the instrument's file that [`Parameter::vary`] changes: with a body's mass its inertia,
     /// with a felt's damping each number of its loss.
-    #[must_use]
-    pub fn paths(&self, instrument: &Instrument) -> Vec<String> {
+    ///
+    /// # Errors
+    /// The instrument has no such part.
+    pub fn paths(&self, instrument: &Instrument) -> Result<Vec<String>, IndexError> {
+        self.check(instrument)?;
+        Ok(self.paths_in(instrument))
+    }
+
+    fn paths_in(&self, instrument: &Instrument) -> Vec<String> {
         let part = self.part(instrument);
         match *self {
             Parameter::Mass(_) => [FileNumber::BODY_MASS, FileNumber::BODY_INERTIA].map(|own| own.path(part)).into(),
@@ -302,25 +381,27 @@ impl Parameter {
                 let losses = instrument.zones[i].felt.loss.table().iter().filter(|number| number.is_loss);
                 losses.map(|number| FileNumber::of_law(number).path(part)).collect()
             }
-            _ => vec![self.path(instrument)],
+            _ => vec![self.path_in(instrument)],
         }
     }
 
     /// Returns the numbers of the file after [`Parameter::vary`], by their paths, in the file's units, to ten digits.
     /// `text` is the file of this instrument.
-    #[must_use]
-    pub fn numbers(&self, instrument: &Instrument, value: f64, text: &str) -> Vec<(String, f64)> {
-        let path = self.path(instrument);
+    ///
+    /// # Errors
+    /// The instrument has no such part.
+    pub fn numbers(&self, instrument: &Instrument, value: f64, text: &str) -> Result<Vec<(String, f64)>, IndexError> {
+        let path = self.path(instrument)?;
         let own = |path: &str| numbers_at(text, path).and_then(|numbers| numbers.first().copied());
         let scaled = |path: String| own(&path).map(|number| (path, ten_digits(number * value)));
-        match *self {
+        Ok(match *self {
             Parameter::Screw { ref action, .. } => {
-                let setting = self.value(instrument) + value;
+                let setting = self.value_in(instrument) + value;
                 vec![(path, ten_digits(setting / action.file_unit().si))]
             }
             // The torque may include a screw's part, which the file states separately.
             Parameter::Torque(_) => {
-                let more = self.value(instrument) * (value - 1.0);
+                let more = self.value_in(instrument) * (value - 1.0);
                 vec![(path.clone(), ten_digits(own(&path).unwrap_or(0.0) + more))]
             }
             Parameter::Damping(i) => {
@@ -329,26 +410,29 @@ impl Parameter {
                 let numbers =
                     varied.loss.table().iter().zip(varied.loss.numbers()).filter(|(number, _)| number.is_loss);
                 let new = numbers.map(|(number, value)| value * number.units_per_si);
-                let all = self.paths(instrument).into_iter().zip(new);
+                let all = self.paths_in(instrument).into_iter().zip(new);
                 all.filter(|(path, _)| own(path).is_some()).map(|(path, value)| (path, ten_digits(value))).collect()
             }
-            _ => self.paths(instrument).into_iter().filter_map(scaled).collect(),
-        }
+            _ => self.paths_in(instrument).into_iter().filter_map(scaled).collect(),
+        })
     }
 
     /// Varies an instrument: turns the screw by `value` (m, rad, N m) or multiplies by it.
     ///
-    /// Returns whether it was possible. It is not if a spring's torque would change its sign or a factor is not
-    /// positive; the instrument is then unchanged.
-    #[must_use]
-    pub fn vary(&self, instrument: &mut Instrument, value: f64) -> bool {
+    /// # Errors
+    /// A spring's torque would change its sign, a factor is not positive, or the instrument has no such part; the
+    /// instrument is then unchanged.
+    pub fn vary(&self, instrument: &mut Instrument, value: f64) -> Result<(), VaryError> {
+        self.check(instrument)?;
         if self.is_factor() && !(value.is_finite() && value > 0.0) {
-            return false;
+            return Err(VaryError::Factor { found: value });
         }
         match *self {
             Parameter::Screw { screw, .. } => {
                 let setting = instrument.screws[screw].setting + value;
-                return instrument.turn(screw, setting);
+                if !instrument.turn(screw, setting) {
+                    return Err(VaryError::Turn { found: value });
+                }
             }
             Parameter::Mass(i) => {
                 instrument.fields.bodies[i].mass_kg *= value;
@@ -361,7 +445,7 @@ impl Parameter {
             Parameter::Damping(i) => instrument.fields.zones[i].felt.scale_loss(value),
             Parameter::Friction(i) => instrument.fields.zones[i].friction_coefficient *= value,
         }
-        true
+        Ok(())
     }
 }
 
@@ -381,7 +465,7 @@ pub(super) fn idle_number(instrument: &Instrument, path: &str, has: impl Fn(&str
     match number {
         FileNumber::BODY_FRICTION | FileNumber::BODY_STATIC_RATIO | FileNumber::BODY_DWELL => {
             let body = instrument.bodies.iter().position(|body| body.name == part && body.is_bend)?;
-            idle(IS_A_BEND, number.path(&instrument.bodies[instrument.first_piece(body)].name))
+            idle(IS_A_BEND, number.path(&instrument.bodies[instrument.first_piece_of(body)].name))
         }
         FileNumber::LINE_NORMAL | FileNumber::SCREW_DIRECTION => {
             let other = format!("{point}.{}", if axis == "x" { "y" } else { "x" });
@@ -411,7 +495,7 @@ pub(super) fn idle_number(instrument: &Instrument, path: &str, has: impl Fn(&str
 fn idle(instrument: &Instrument, name: &str) -> Option<NameError> {
     let body = name.strip_prefix("body.")?.strip_suffix(".friction")?;
     let body = instrument.bodies.iter().position(|own| own.name == body)?;
-    let acts = &instrument.bodies[instrument.first_piece(body)];
+    let acts = &instrument.bodies[instrument.first_piece_of(body)];
     let is_idle = instrument.bodies[body].is_bend && !acts.is_bend && acts.friction_torque_n_m > 0.0;
     is_idle.then(|| NameError::Idle {
         name: name.to_owned(),
@@ -447,15 +531,15 @@ mod tests {
             let grand = Instrument::parse(text, name).unwrap();
             for (name, parameter) in Parameter::all(&grand) {
                 let mut varied = grand.clone();
-                assert!(parameter.vary(&mut varied, if parameter.is_factor() { 1.07 } else { 1.7e-5 }), "{name}");
+                parameter.vary(&mut varied, if parameter.is_factor() { 1.07 } else { 1.7e-5 }).unwrap();
                 let by = if parameter.is_factor() { 1.07 } else { 1.7e-5 };
-                let numbers = parameter.numbers(&grand, by, text);
+                let numbers = parameter.numbers(&grand, by, text).unwrap();
                 let changes: Vec<_> =
                     numbers.into_iter().map(|(path, value)| (path, value, String::from("n"))).collect();
                 let new = cited(text, &changes, "s", "a", "t").unwrap_or_else(|error| panic!("{name}: {error}"));
                 let read = Instrument::parse(&new, "new").unwrap_or_else(|error| panic!("{name}: {error}"));
                 for (other, own) in Parameter::all(&varied) {
-                    let (wanted, found) = (own.value(&varied), own.value(&read));
+                    let (wanted, found) = (own.value(&varied).unwrap(), own.value(&read).unwrap());
                     assert!((wanted - found).abs() < 1e-9 * wanted.abs() + 1e-15, "{name}: {other} {wanted} {found}");
                 }
                 let inertias = varied.bodies.iter().zip(&read.bodies);
@@ -479,11 +563,11 @@ mod tests {
         assert!(names.contains(&"let_off") && names.contains(&"body.hammer.mass"), "{names:?}");
         for (name, parameter) in &all {
             let (mut varied, mut same) = (grand.clone(), grand.clone());
-            assert!(parameter.vary(&mut varied, 1e-4) && varied != grand, "{name}");
+            assert!(parameter.vary(&mut varied, 1e-4).is_ok() && varied != grand, "{name}");
             let nothing = if parameter.is_factor() { 1.0 } else { 0.0 };
-            assert!(parameter.vary(&mut same, nothing) && same == grand, "{name}");
+            assert!(parameter.vary(&mut same, nothing).is_ok() && same == grand, "{name}");
             let mut unchanged = grand.clone();
-            assert!(!parameter.vary(&mut unchanged, f64::NAN) && unchanged == grand, "{name}");
+            assert!(parameter.vary(&mut unchanged, f64::NAN).is_err() && unchanged == grand, "{name}");
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::register::{file_unit, idle_number};
 use super::{Bare, Change, FileNumber, NameError, NumberError, Parameter, Quantity, Unit, canonical_name};
+use crate::index::IndexError;
 use crate::instrument::{Certainty, FileError, Instrument, InstrumentFile, Spread, numbers_at, with_numbers};
 use thiserror::Error;
 
@@ -46,6 +47,9 @@ pub enum ChangeError {
         /// Possible range.
         expected: String,
     },
+    /// The parameter is another instrument's.
+    #[error(transparent)]
+    Index(#[from] IndexError),
     /// Error of the reader in the changed file.
     #[error(transparent)]
     File(#[from] Box<FileError>),
@@ -109,7 +113,7 @@ pub fn register(file: &InstrumentFile) -> Vec<Entry> {
     let instrument = &file.instrument;
     let all = Parameter::all(instrument).into_iter();
     all.map(|(name, parameter)| {
-        let path = parameter.path(instrument);
+        let path = parameter.path_in(instrument);
         let number = file.provenance.numbers.iter().find(|number| number.key == path);
         let citation = number.and_then(|number| number.citation.as_ref());
         let own = number.and_then(|number| number.values.first().copied());
@@ -117,8 +121,8 @@ pub fn register(file: &InstrumentFile) -> Vec<Entry> {
             spread_of(&parameter, spread, own).filter(|[low, high]| low.is_finite() && high.is_finite() && low < high)
         });
         Entry {
-            value: parameter.value(instrument),
-            quantity: parameter.quantity(instrument),
+            value: parameter.value_in(instrument),
+            quantity: parameter.quantity_in(instrument),
             certainty: citation.map(|citation| citation.certainty),
             name,
             parameter,
@@ -288,7 +292,7 @@ pub fn varied_text(text: &str, file_name: &str, name: &str, change: &ParameterCh
         Some((_, parameter)) => {
             let drawn = instrument.clone();
             let by = vary(&mut instrument, &name, parameter, change)?;
-            parameter.numbers(&drawn, by, text).into_iter().map(|(path, value)| (path, 0, value)).collect()
+            parameter.numbers(&drawn, by, text)?.into_iter().map(|(path, value)| (path, 0, value)).collect()
         }
         None => {
             let (path, which, now) = number_or_fault(&instrument, text, &name)?;
@@ -312,28 +316,33 @@ fn vary(
     parameter: &Parameter,
     wanted: &ParameterChange,
 ) -> Result<f64, ChangeError> {
-    let quantity = parameter.quantity(instrument);
-    let bare = if matches!(wanted, ParameterChange::Field(_)) { parameter.trade_bare(instrument) } else { Bare::Si };
-    let by = parameter.by(instrument, wanted.read(name, quantity, bare)?);
-    let range = out_of_range(instrument, name, parameter, wanted);
+    let quantity = parameter.quantity(instrument)?;
+    let bare = if matches!(wanted, ParameterChange::Field(_)) { parameter.trade_bare(instrument)? } else { Bare::Si };
+    let by = parameter.by(instrument, wanted.read(name, quantity, bare)?)?;
+    let range = out_of_range(instrument, name, parameter, wanted)?;
     let [least, most] = parameter.range();
-    if !(least..=most).contains(&by) || !parameter.vary(instrument, by) {
+    if !(least..=most).contains(&by) || parameter.vary(instrument, by).is_err() {
         return Err(range);
     }
     Ok(by)
 }
 
-fn out_of_range(instrument: &Instrument, name: &str, parameter: &Parameter, wanted: &ParameterChange) -> ChangeError {
+fn out_of_range(
+    instrument: &Instrument,
+    name: &str,
+    parameter: &Parameter,
+    wanted: &ParameterChange,
+) -> Result<ChangeError, IndexError> {
     let [least, most] = parameter.range();
-    let unit = parameter.quantity(instrument).si_unit();
+    let unit = parameter.quantity(instrument)?.si_unit();
     let expected = if parameter.is_factor() {
-        let now = parameter.value(instrument);
+        let now = parameter.value(instrument)?;
         format!("a positive value from {least} to {most} times {now:e} {unit}")
     } else {
         format!("at most {most:.4} {unit} either way, and a spring that does not turn around")
     };
     let expected = expected.trim_end().to_owned();
-    ChangeError::Range { name: name.to_owned(), found: wanted.to_string(), expected }
+    Ok(ChangeError::Range { name: name.to_owned(), found: wanted.to_string(), expected })
 }
 
 /// Returns a name as typed if it is a parameter's, or the path of a number in the file's text; else with regional words
@@ -375,7 +384,7 @@ mod tests {
         assert_eq!(known_name("body.wippen.mass_g", &[], &wippen), "body.wippen.mass_g");
         let all = Parameter::all(&grand);
         let value = |instrument: &Instrument, name: &str| {
-            all.iter().find(|(known, _)| known == name).unwrap().1.value(instrument)
+            all.iter().find(|(known, _)| known == name).unwrap().1.value(instrument).unwrap()
         };
         let now = |name: &str| value(&grand, name);
         let mass = now("body.hammer.mass");
@@ -395,13 +404,13 @@ mod tests {
         for (name, parameter) in &all {
             let by = if parameter.is_factor() { 1.25 } else { 1e-4 };
             let mut studied = grand.clone();
-            assert!(parameter.vary(&mut studied, by));
+            parameter.vary(&mut studied, by).unwrap();
             let by = if parameter.is_factor() { "x1.25" } else { "+1e-4" };
             assert_eq!(written(name, by).unwrap(), studied, "{name}");
             // A number is the new value, in SI units.
-            let wanted = parameter.value(&studied);
+            let wanted = parameter.value(&studied).unwrap();
             let set = with(&[(name, ParameterChange::Value(wanted))]).unwrap();
-            assert!((parameter.value(&set) - wanted).abs() <= 1e-15 * wanted.abs().max(1e-3), "{name}");
+            assert!((parameter.value(&set).unwrap() - wanted).abs() <= 1e-15 * wanted.abs().max(1e-3), "{name}");
         }
         // The same change twice is applied twice; numbers of the file go by their paths.
         let twice = ParameterChange::Text("+0.5 g".into());

@@ -8,6 +8,7 @@ use super::equilibrium::{self, EquilibriumError};
 use super::rest::Rest;
 use super::snapshot::{MechanismState, Snapshot, SnapshotError, strings_are_finite};
 use crate::identity::Identity;
+use crate::index::IndexError;
 use crate::instrument::Instrument;
 use crate::mechanism::{Halving, Impact, Mechanism, StatePart, StepOutput, Stepping, TellNumbers, mechanism};
 use crate::progress::{ASK_EVERY, Progress};
@@ -392,29 +393,40 @@ impl Action {
 
     /// Normal force of a contact zone in the last step, N, never negative.
     ///
-    /// # Panics
-    /// If there is no such zone.
-    pub fn contact_force(&self, zone: usize) -> f64 {
-        self.mechanism.normal_force(zone)
+    /// # Errors
+    /// There is no such zone.
+    pub fn contact_force(&self, zone: usize) -> Result<f64, IndexError> {
+        Ok(self.mechanism.normal_force(self.zone(zone)?))
+    }
+
+    fn zone(&self, zone: usize) -> Result<usize, IndexError> {
+        IndexError::check("zone", zone, self.mechanism.readout().tangential_forces.len()).map(|()| zone)
     }
 
     /// Coulomb force of a contact zone in the last step, N, on side A along the tangent (the normal turned clockwise by
     /// a quarter turn).
     ///
-    /// # Panics
-    /// If there is no such zone.
-    pub fn tangential_force(&self, zone: usize) -> f64 {
-        self.mechanism.readout().tangential_forces[zone]
+    /// # Errors
+    /// There is no such zone.
+    pub fn tangential_force(&self, zone: usize) -> Result<f64, IndexError> {
+        Ok(self.mechanism.readout().tangential_forces[self.zone(zone)?])
     }
 
     /// Compression of a zone now, m; negative where it is open.
-    pub fn compression(&self, zone: usize) -> f64 {
-        self.mechanism.compression(zone)
+    ///
+    /// # Errors
+    /// There is no such zone.
+    pub fn compression(&self, zone: usize) -> Result<f64, IndexError> {
+        Ok(self.mechanism.compression(self.zone(zone)?))
     }
 
     /// Present position in the world, m, of a point of a body (`None`: of the ground), m in its frame.
-    pub fn point(&self, body: Option<usize>, point: [f64; 2]) -> [f64; 2] {
-        self.mechanism.point(body, point)
+    ///
+    /// # Errors
+    /// There is no such body.
+    pub fn point(&self, body: Option<usize>, point: [f64; 2]) -> Result<[f64; 2], IndexError> {
+        body.map_or(Ok(()), |body| IndexError::check("body", body, self.angles().len()))?;
+        Ok(self.mechanism.point(body, point))
     }
 
     /// Pose from which travels are measured.
@@ -485,12 +497,14 @@ impl Action {
     /// Adds to the angular velocity of a body (index as in the instrument), rad/s, like an impulse on it. The last
     /// step's forces are zero until the next step.
     ///
-    /// # Panics
-    /// If there is no such body.
-    pub fn add_velocity(&mut self, body: usize, rad_per_s: f64) {
+    /// # Errors
+    /// There is no such body.
+    pub fn add_velocity(&mut self, body: usize, rad_per_s: f64) -> Result<(), IndexError> {
+        IndexError::check("body", body, self.angles().len())?;
         let mut saved = self.mechanism.save();
         saved.state.velocity[body] += rad_per_s;
         self.mechanism.restore(&saved);
+        Ok(())
     }
 
     /// The engine's input for the next step.

@@ -211,7 +211,7 @@ mod tests {
         for (a, force) in key_m.iter().zip(&finger_force_n) {
             let b = action.step(Input::Free).key_m;
             (largest_m, off_m) = (largest_m.max(b.abs()), off_m.max((a - b).abs()));
-            let other = action.contact_force(0);
+            let other = action.contact_force(0).unwrap();
             (largest_n, off_n) = (largest_n.max(other), off_n.max((force - other).abs()));
         }
         // The arc of five metres and the turning of the key's surface are what is left.

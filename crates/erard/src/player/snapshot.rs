@@ -14,6 +14,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use thiserror::Error;
 
 use crate::identity::{BODIES, Identity};
+use crate::index::IndexError;
 use crate::mechanism::{Saved, Surfaces, TellNumbers};
 use crate::saved::{Lists, Unreadable, VERSION, Writer};
 
@@ -98,6 +99,9 @@ pub enum SnapshotError {
         /// Settings of the action.
         own: StepSettings,
     },
+    /// There is no such key to continue.
+    #[error(transparent)]
+    Key(#[from] IndexError),
     /// A number is not finite.
     #[error("a number of the snapshot is not finite")]
     NotFinite,

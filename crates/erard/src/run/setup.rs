@@ -3,6 +3,7 @@
 use moreau::{ModelError, Settings};
 use thiserror::Error;
 
+use crate::index::IndexError;
 use crate::instrument::Instrument;
 use crate::mechanism::{Halving, MAX_STEP_S, SMALLEST_STEP_S};
 use crate::player::equilibrium::{self, EquilibriumError, UNSOLVED_STEPS};
@@ -126,6 +127,9 @@ pub enum SimulationError {
     /// Not assembled.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A job names an instrument that does not exist.
+    #[error(transparent)]
+    Index(#[from] IndexError),
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,

@@ -72,6 +72,7 @@ impl Extremes {
     pub fn note_angles(&mut self, time_s: f64, angles: &[f64]) {
         let is_first = self.first.is_empty();
         for ((turned, (parent, drawn)), angle) in self.turned.iter_mut().zip(&self.hinges).zip(angles) {
+            // A parent precedes its children.
             let by = angle - parent.map_or(0.0, |parent| angles[parent]) - drawn;
             if is_first {
                 self.first.push(by);
@@ -81,8 +82,10 @@ impl Extremes {
         }
     }
 
-    /// The compression of a zone at an instant, m; negative where it is open.
-    pub fn note_compression(&mut self, time_s: f64, zone: usize, compression_m: f64) {
-        self.deepest[zone].up(compression_m, time_s);
+    /// The compressions of the zones at an instant, m, in the instrument's order; negative where a zone is open.
+    pub fn note_compressions(&mut self, time_s: f64, compressions_m: impl Iterator<Item = f64>) {
+        for (deepest, compression_m) in self.deepest.iter_mut().zip(compressions_m) {
+            deepest.up(compression_m, time_s);
+        }
     }
 }

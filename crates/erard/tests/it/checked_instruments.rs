@@ -1,7 +1,13 @@
 //! An instrument's indices stay in range: whatever a program writes, it is refused by its field.
 
-use erard::Instrument;
+use erard::damper::DamperHeights;
+use erard::grand::{Parts, falling_moment_n_m, front_weight_g, pedal_down, strike_weight_g, whippen_weight_g};
 use erard::instrument::{DamperFelt, DrawnPart, InstrumentFields, Material, ScrewAction};
+use erard::keyboard::Keys;
+use erard::parameter::{Change as Typed, Parameter};
+use erard::{Action, Input, Instrument, Settings, one_dof};
+
+use crate::common::{USUAL_STEP_S, grand};
 
 type Change = fn(&mut InstrumentFields);
 
@@ -69,4 +75,103 @@ fn what_is_in_range_is_taken() {
     assert_eq!(edited, own);
     let bare = own.clone().without_outlines();
     assert!(bare.parts.is_empty() && bare.digest() == own.digest());
+}
+
+/// An index or a key that does not exist is an error that names it and how many there are, in every function that takes
+/// one. Nothing changes then.
+#[test]
+fn indices_that_callers_pass_are_checked() {
+    let grand = grand();
+    let (bodies, zones) = (grand.bodies.len(), grand.zones.len());
+    let told = |error: &dyn std::fmt::Display, what: &str, found: usize, count: usize, first: usize| {
+        let expected = format!("found {what} {found}, expected one of {count}, counted from {first}");
+        assert!(error.to_string().ends_with(&expected), "{error}");
+    };
+    let no_body = |error: &dyn std::fmt::Display| told(error, "body", bodies, bodies, 0);
+    let no_zone = |error: &dyn std::fmt::Display| told(error, "zone", zones, zones, 0);
+    // The last of each is there.
+    assert!(grand.first_piece(bodies - 1).is_ok() && grand.with_bushing(bodies - 1, 1e5, 0.0).is_ok());
+    no_body(&grand.first_piece(bodies).unwrap_err());
+    no_body(&grand.on_first_piece(bodies).unwrap_err());
+    no_body(&grand.is_same_part(0, bodies).unwrap_err());
+    no_body(&grand.is_same_part(bodies, 0).unwrap_err());
+    no_body(&grand.with_bushing(bodies, 1e5, 0.0).unwrap_err());
+    no_body(&falling_moment_n_m(&grand, bodies).unwrap_err());
+    told(&grand.first_piece(usize::MAX).unwrap_err(), "body", usize::MAX, bodies, 0);
+
+    let parts = Parts::of(&grand).unwrap();
+    let (damper_zone, damper) = parts.damper.expect("the grand has a damper");
+    no_zone(&pedal_down(&grand, &Parts { damper: Some((zones, damper)), ..parts.clone() }).unwrap_err());
+    no_body(&front_weight_g(&grand, &Parts { key: bodies, ..parts.clone() }, 0.2).unwrap_err());
+    no_body(&strike_weight_g(&grand, &Parts { hammer: bodies, ..parts.clone() }).unwrap_err());
+    no_body(&whippen_weight_g(&grand, &Parts { whippen: bodies, ..parts.clone() }, 0.1).unwrap_err());
+    // The parts of a grand in an instrument of one mass.
+    let small = one_dof::reduce(&grand).unwrap().instrument;
+    told(&pedal_down(&small, &parts).unwrap_err(), "zone", damper_zone, small.zones.len(), 0);
+    told(&strike_weight_g(&small, &parts).unwrap_err(), "body", parts.hammer, small.bodies.len(), 0);
+
+    let (springs, screws) = (grand.springs.len(), grand.screws.len());
+    let action = grand.screws[0].action.clone();
+    for (parameter, what, index) in [
+        (Parameter::Mass(bodies), "body", bodies),
+        (Parameter::PivotFriction(bodies), "body", bodies),
+        (Parameter::Torque(springs), "spring", springs),
+        (Parameter::SpringStiffness(springs), "spring", springs),
+        (Parameter::Stiffness(zones), "zone", zones),
+        (Parameter::Damping(zones), "zone", zones),
+        (Parameter::Friction(zones), "zone", zones),
+        (Parameter::Screw { screw: screws, action }, "screw", screws),
+    ] {
+        let missing = |error: &dyn std::fmt::Display| told(error, what, index, index, 0);
+        let mut varied = grand.clone();
+        missing(&parameter.vary(&mut varied, 1.0).unwrap_err());
+        assert_eq!(varied, grand);
+        missing(&parameter.name(&grand).unwrap_err());
+        missing(&parameter.quantity(&grand).unwrap_err());
+        missing(&parameter.trade_bare(&grand).unwrap_err());
+        missing(&parameter.by(&grand, Typed::Multiply(2.0)).unwrap_err());
+        missing(&parameter.value(&grand).unwrap_err());
+        missing(&parameter.path(&grand).unwrap_err());
+        missing(&parameter.paths(&grand).unwrap_err());
+        missing(&parameter.numbers(&grand, 1.0, "").unwrap_err());
+    }
+
+    let strung = Instrument::builtin("concert-grand-strings").unwrap();
+    let (bodies, zones) = (strung.bodies.len(), strung.zones.len());
+    let mut action = Action::new(&strung).unwrap();
+    assert!(action.contact_force(zones - 1).is_ok() && action.point(Some(bodies - 1), [0.0; 2]).is_ok());
+    let no_zone = |error: &dyn std::fmt::Display| told(error, "zone", zones, zones, 0);
+    no_zone(&action.contact_force(zones).unwrap_err());
+    no_zone(&action.tangential_force(zones).unwrap_err());
+    no_zone(&action.compression(zones).unwrap_err());
+    told(&action.point(Some(bodies), [0.0; 2]).unwrap_err(), "body", bodies, bodies, 0);
+    told(&action.add_velocity(bodies, 1.0).unwrap_err(), "body", bodies, bodies, 0);
+    let strings = action.strings().unwrap();
+    let count = strung.strings.len();
+    told(&strings.shape_m(count, 0.1).unwrap_err(), "string", count, count, 0);
+    assert!(strings.shape_m(count - 1, 0.1).is_ok() && strings.partial(count, 1).is_none());
+
+    let mut keys = Keys::at_rest(&[grand.clone(), grand.clone()], Settings::new(USUAL_STEP_S)).unwrap();
+    let saved = keys.save(2).unwrap();
+    for key in [0, 3, usize::MAX] {
+        let no_key = |error: &dyn std::fmt::Display| told(error, "key", key, 2, 1);
+        no_key(&keys.is_awake(key).unwrap_err());
+        no_key(&keys.drive(key, Input::Force(1.0)).unwrap_err());
+        no_key(&keys.impose(key, 0.0, 0.0).unwrap_err());
+        no_key(&keys.place_hand(key, 0.0, 0.0).unwrap_err());
+        no_key(&keys.reading(key).unwrap_err());
+        no_key(&keys.string_force(key).unwrap_err());
+        no_key(&keys.strings(key).expect_err("no such key"));
+        no_key(&keys.finger_force_n(key).unwrap_err());
+        no_key(&keys.key_m(key).unwrap_err());
+        no_key(&keys.angles(key).unwrap_err());
+        no_key(&keys.velocities(key).unwrap_err());
+        no_key(&keys.save(key).unwrap_err());
+        no_key(&keys.mechanism_state(key).unwrap_err());
+        no_key(&keys.save_strings(key, &mut |_, _| {}).unwrap_err());
+        no_key(&keys.restore(key, &saved).unwrap_err());
+        no_key(&DamperHeights::new(&[grand.clone(), grand.clone()]).of(key).unwrap_err());
+    }
+    assert_eq!(keys.awake(), 0);
+    assert!(keys.reading(1).is_ok() && keys.restore(2, &saved).is_ok());
 }

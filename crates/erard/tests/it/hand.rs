@@ -1,7 +1,7 @@
 //! A hand that presses: what it does that a prescribed force does not.
 
 use crate::common::grand;
-use erard::gradient::{Direction, How, Poses, follow};
+use erard::gradient::{DIRECTIONS, Direction, GradientError, How, Poses, follow};
 use erard::keyboard::Keys;
 use erard::player::{self, Hand, Inside, LossRecorder, ReactionRecorder};
 use erard::run::{Run, simulate_observed};
@@ -149,16 +149,16 @@ fn ten_hands_play_a_keyboard() {
     };
     let (mut impacts, mut asleep, mut away) = ([0; 10], 10, 0.0_f64);
     for (n, action) in actions.iter_mut().enumerate() {
-        keys.place_hand(n + 1, -1e-3 * n as f64, 0.0);
+        keys.place_hand(n + 1, -1e-3 * n as f64, 0.0).unwrap();
         action.place_hand(-1e-3 * n as f64, 0.0);
     }
     for step in 0..50_000 {
         for (n, action) in actions.iter_mut().enumerate() {
             if step == 46_000 {
-                keys.place_hand(n + 1, -2e-3, 0.0);
+                keys.place_hand(n + 1, -2e-3, 0.0).unwrap();
                 action.place_hand(-2e-3, 0.0);
             }
-            keys.drive(n + 1, down(n, step));
+            keys.drive(n + 1, down(n, step)).unwrap();
         }
         keys.step();
         for impact in keys.impacts() {
@@ -170,7 +170,7 @@ fn ten_hands_play_a_keyboard() {
         for (n, action) in actions.iter_mut().enumerate() {
             let alone = action.step(down(n, step));
             if step % 500 == 0 {
-                let here = keys.reading(n + 1);
+                let here = keys.reading(n + 1).unwrap();
                 assert_eq!(
                     (here.key_m, here.hand_m, here.finger_force_n),
                     (alone.key_m, alone.hand_m, alone.finger_force_n)
@@ -198,6 +198,9 @@ fn derivatives_take_a_hand() {
             let (rigid, setup) = (rigid.clone(), setup);
             move || {
                 let poses = Poses::of(&rigid, 0.0, &mut |_| true).unwrap();
+                let many = vec![Direction::force(); DIRECTIONS + 1];
+                let refused = follow(&rigid, &many, &stroke, &setup, &poses, How::default(), &mut |_| true);
+                assert!(matches!(refused, Err(GradientError::Directions { .. })));
                 follow(&rigid, &[Direction::force()], &stroke, &setup, &poses, How::default(), &mut |_| true).unwrap()
             }
         })

@@ -25,7 +25,7 @@ fn observed(tremolo: &Tremolo) -> (Vec<(usize, u64)>, Vec<u64>) {
     let impacts = tremolo.keys().impacts().iter().map(|b| (b.key, b.impact.hammer_speed_m_per_s.to_bits()));
     let mut impacts: Vec<_> = impacts.collect();
     impacts.sort_unstable();
-    (impacts, (1..=KEYS).map(|key| tremolo.keys().string_force(key).to_bits()).collect())
+    (impacts, (1..=KEYS).map(|key| tremolo.keys().string_force(key).unwrap().to_bits()).collect())
 }
 
 /// Ten fingers play a fortissimo tremolo once over all 88 keys. Every stroke sounds, once, at the speeds of a
@@ -64,7 +64,7 @@ fn ten_fingers_play_all_keys() {
     let mut ticks = 0;
     while tremolo.keys().awake() > 0 {
         // Whoever was played is let go.
-        (1..=KEYS).for_each(|key| tremolo.keys_mut().drive(key, Input::Force(0.0)));
+        (1..=KEYS).for_each(|key| tremolo.keys_mut().drive(key, Input::Force(0.0)).unwrap());
         tremolo.keys_mut().step();
         ticks += 1;
         assert!(ticks < 20_000, "a second after the last stroke {} keys are awake", tremolo.keys().awake());
@@ -92,8 +92,8 @@ fn sleeps_as_stepped(part: u64) {
     let same = |a: &Tremolo, b: &Tremolo, n| {
         for key in 1..=KEYS {
             assert_eq!(
-                format!("{:?}", a.keys().save(key)),
-                format!("{:?}", b.keys().save(key)),
+                format!("{:?}", a.keys().save(key).unwrap()),
+                format!("{:?}", b.keys().save(key).unwrap()),
                 "key {key} after {n} ticks"
             );
         }
@@ -113,7 +113,7 @@ fn sleeps_as_stepped(part: u64) {
     for n in 0..held {
         for tremolo in [&mut sleeping, &mut stepped] {
             for key in (1..=KEYS).step_by(2) {
-                tremolo.keys_mut().drive(key, Input::Force(10.0));
+                tremolo.keys_mut().drive(key, Input::Force(10.0)).unwrap();
             }
             skipped += KEYS as u32 - tremolo.keys_mut().step().stepped;
         }
@@ -132,11 +132,11 @@ fn sleeps_as_stepped(part: u64) {
 fn a_key_wakes_at_any_change() {
     let mut keys = keys();
     assert_eq!(keys.awake(), 0, "at rest all sleep");
-    keys.drive(40, Input::Free);
+    keys.drive(40, Input::Free).unwrap();
     assert_eq!(keys.awake(), 0, "as it was driven before");
     let half_way = Input::Motion { position_m: 0.005, velocity_m_per_s: 0.0 };
     for input in [Input::Force(0.0), Input::Force(-0.0), Input::Force(5e-324), half_way, Input::Force(10.0)] {
-        keys.drive(40, input);
+        keys.drive(40, input).unwrap();
         assert_eq!(keys.awake(), 1, "{input:?}");
         let mut ticks = 0;
         while keys.awake() > 0 {
@@ -155,7 +155,7 @@ fn an_imposed_motion_is_an_actions() {
     let settings = Settings::new(USUAL_STEP_S);
     let mut keys = Keys::at_rest(std::slice::from_ref(&instrument), settings).unwrap();
     let mut alone = erard::Action::with(&instrument, settings).unwrap();
-    alone.restore(&keys.save(1)).unwrap();
+    alone.restore(&keys.save(1).unwrap()).unwrap();
     // 10 mm down and up again, at a speed that the positions do not quite follow.
     let at = |n: u32| {
         let angle = f64::from(n) * 0.01;
@@ -163,16 +163,16 @@ fn an_imposed_motion_is_an_actions() {
     };
     let play = |keys: &mut Keys, from: u32, to: u32| {
         let step = |n: u32| {
-            keys.impose(1, at(n).0, at(n).1);
+            keys.impose(1, at(n).0, at(n).1).unwrap();
             keys.step();
-            keys.key_m(1).to_bits()
+            keys.key_m(1).unwrap().to_bits()
         };
         (from..to).map(step).collect::<Vec<_>>()
     };
     let mut played = play(&mut keys, 1, 300);
-    let saved = keys.save(1);
+    let saved = keys.save(1).unwrap();
     let rest = play(&mut keys, 300, 700);
-    keys.drive(1, Input::Free);
+    keys.drive(1, Input::Free).unwrap();
     keys.step();
     keys.restore(1, &saved).unwrap();
     assert_eq!(play(&mut keys, 300, 700), rest);
@@ -184,18 +184,18 @@ fn an_imposed_motion_is_an_actions() {
         assert!((own.key_m - position_m).abs() < 1e-4, "step {n}: {} {position_m}", own.key_m);
     }
     // Let go, and imposed again from where the key is: nothing pulls it to where the first motion ended.
-    keys.drive(1, Input::Free);
+    keys.drive(1, Input::Free).unwrap();
     for _ in 0..20 {
         keys.step();
         alone.step(Input::Free);
     }
-    let from_m = keys.key_m(1);
+    let from_m = keys.key_m(1).unwrap();
     assert!((from_m - at(699).0).abs() > 2e-4, "{from_m}");
     for n in 1..20 {
-        keys.impose(1, from_m, 0.0);
+        keys.impose(1, from_m, 0.0).unwrap();
         keys.step();
         let own = alone.step(Input::Rigid { position_m: from_m, velocity_m_per_s: 0.0 });
-        assert_eq!(own.key_m.to_bits(), keys.key_m(1).to_bits(), "step {n}");
+        assert_eq!(own.key_m.to_bits(), keys.key_m(1).unwrap().to_bits(), "step {n}");
         // Half a step of the speed that the key had; a tenth of the way to the old aim would be 46 um.
         assert!((own.key_m - from_m).abs() < 1e-5, "step {n}: {} {from_m}", own.key_m);
     }
@@ -233,7 +233,7 @@ fn come_to_rest(rounds: usize) {
                 2 => Input::Motion { position_m: 0.014 * x, velocity_m_per_s: 0.0 },
                 _ => Input::Free,
             };
-            keys.drive(key, held);
+            keys.drive(key, held).unwrap();
             left += 1;
         }
         let mut ticks = 0;
@@ -241,8 +241,8 @@ fn come_to_rest(rounds: usize) {
             keys.step();
             ticks += 1;
         }
-        for key in (1..=KEYS).filter(|&key| keys.is_awake(key)) {
-            let fastest = crate::common::largest(keys.velocities(key).iter().copied());
+        for key in (1..=KEYS).filter(|&key| keys.is_awake(key).unwrap()) {
+            let fastest = crate::common::largest(keys.velocities(key).unwrap().iter().copied());
             println!("round {round}: key {key} is awake, at most {fastest:.0e} rad/s");
             assert!(fastest < 1e-12, "round {round}, key {key}: {fastest:e} rad/s");
             restless += 1;

@@ -166,7 +166,7 @@ fn felt(loss: Loss<f64>) -> Felt {
 /// With a bushing at the first body's pivot.
 fn with_bushing(fields: &InstrumentFields, n_s_per_m: f64) -> InstrumentFields {
     let instrument = Instrument::new(fields.clone()).unwrap();
-    (*instrument.with_bushing(0, 1e5, n_s_per_m)).clone()
+    (*instrument.with_bushing(0, 1e5, n_s_per_m).unwrap()).clone()
 }
 
 /// The laws and parts that no built-in instrument has: each changes the identity, and each of its numbers does.

@@ -376,11 +376,11 @@ fn strings_at_rest_cost_nothing() {
     assert!(action.is_asleep() && at(&action).to_bits() == before.to_bits());
     let mut keys = Keys::at_rest(&[strung(), strung()], Settings::new(USUAL_STEP_S)).unwrap();
     assert_eq!(keys.awake(), 0);
-    keys.drive(1, Input::Force(5.0));
+    keys.drive(1, Input::Force(5.0)).unwrap();
     for _ in 0..2000 {
         keys.step();
     }
-    keys.drive(1, Input::Free);
+    keys.drive(1, Input::Free).unwrap();
     // At most 50 s; the damper takes two or three.
     for _ in 0..1_000_000 {
         keys.step();
@@ -428,11 +428,12 @@ fn keys_and_actions_are_the_same_bits() {
     let mut action = Action::new(&instrument).unwrap();
     for n in 0..60_000 {
         let input = if (n / 6000) % 2 == 0 { Input::Force(4.0 + (n / 12_000) as f64) } else { Input::Free };
-        keys.drive(1, input);
+        keys.drive(1, input).unwrap();
         keys.step();
         action.step(input);
         if n % 500 == 0 {
-            let [a, b] = [keys.reading(1), action.reading()].map(|r| [r.key_m, r.hammer_rise_m, r.hammer_rise_m_per_s]);
+            let [a, b] =
+                [keys.reading(1).unwrap(), action.reading()].map(|r| [r.key_m, r.hammer_rise_m, r.hammer_rise_m_per_s]);
             assert_eq!(a, b, "step {n}");
         }
     }

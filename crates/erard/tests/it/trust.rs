@@ -185,7 +185,7 @@ fn extremes_are_those_of_the_rows() {
 #[test]
 fn a_body_beyond_its_stops_is_told() {
     let mut instrument = grand();
-    let hammer = instrument.first_piece(instrument.roles.hammer.unwrap());
+    let hammer = instrument.first_piece(instrument.roles.hammer.unwrap()).unwrap();
     instrument.edit(|fields| fields.bodies[hammer].turn_rad = Some([-0.2, 0.1])).unwrap();
     let run = Play::Stroke("mf", Touch::Pressed).run(&instrument, settings(), 0.3);
     let [warning] = &run.warnings[..] else { panic!("{:?}", run.warnings) };

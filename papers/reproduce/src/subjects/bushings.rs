@@ -36,7 +36,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     let rigid = forte(instrument)?.ok_or_else(missing)?;
     table.row(["rigid".into(), format!("{:.3}", rigid[0]), "0".into(), format!("{:.3}", rigid[1])]);
     // The hammer's own pivot: for a flexible shank, the first piece's.
-    let hammer = instrument.roles.hammer.map(|hammer| instrument.first_piece(hammer)).ok_or_else(missing)?;
+    let hammer = instrument.roles.hammer.and_then(|hammer| instrument.first_piece(hammer).ok()).ok_or_else(missing)?;
     let whippen = instrument
         .bodies
         .iter()
@@ -48,7 +48,11 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     for (i, n_per_m) in STIFFNESSES.into_iter().enumerate() {
         tell(progress, (i + 1) as f64 / (STIFFNESSES.len() + 1) as f64)?;
         let damping = 2.0 * RATIO * (n_per_m * 0.010_f64).sqrt();
-        let soft = instrument.with_bushing(first, n_per_m, damping).with_bushing(second, n_per_m, damping);
+        let soften = |instrument: &Instrument, body: usize| {
+            let soft = instrument.with_bushing(body, n_per_m, damping);
+            soft.map_err(|error| ReproduceError::Instrument(error.to_string()))
+        };
+        let soft = soften(&soften(instrument, first)?, second)?;
         let [ahead, speed] = forte(&soft)?.ok_or_else(missing)?;
         if n_per_m >= 1e5 {
             most = most.max((ahead - rigid[0]).abs());

@@ -68,7 +68,7 @@ fn thrown(instrument: &Instrument, speed_m_per_s: f64) -> Result<(f64, Contact),
     let rad_per_s = (1.04 * speed_m_per_s * speed_m_per_s + 1.22).sqrt() / 0.1386;
     let mut body = instrument.roles.hammer;
     while let Some(one) = body {
-        action.add_velocity(one, rad_per_s);
+        action.add_velocity(one, rad_per_s).map_err(wrong)?;
         body = instrument.bodies[one].parent;
     }
     let (mut series, mut struck) = (Vec::new(), None);

@@ -70,7 +70,7 @@ fn rocking(instrument: &Instrument) -> Result<Option<[f64; 2]>, ReproduceError> 
     let Some(hammer) = free.roles.hammer else { return Ok(None) };
     let failed = |error: &dyn std::fmt::Display| ReproduceError::Instrument(error.to_string());
     let mut action = Action::with(&free, Settings::new(STEP_S)).map_err(|error| failed(&error))?;
-    action.add_velocity(hammer, 2e-3);
+    action.add_velocity(hammer, 2e-3).map_err(|error| failed(&error))?;
     let (mut before, mut turns, mut swings) = (2e-3, Vec::new(), [0.0_f64; 2]);
     for n in 0..(0.3 / STEP_S) as u32 {
         let time_s = f64::from(n + 1) * STEP_S;

@@ -76,12 +76,11 @@ impl Released {
 /// The same key, balanced: the mass of its piece behind the pin moved back.
 fn balanced(instrument: &Instrument) -> Option<Instrument> {
     let key = instrument.roles.key?;
-    let back = instrument.first_piece(key);
+    let back = instrument.first_piece(key).ok()?;
     let moment = |i: &Instrument| -> f64 {
-        let pieces = (0..i.bodies.len()).filter(|&body| i.is_same_part(body, key));
-        pieces
-            .map(|body| i.bodies[body].mass_kg * i.on_first_piece(body).to_world(i.bodies[body].center_of_mass_m)[0])
-            .sum()
+        let pieces = i.bodies.iter().enumerate().filter(|(body, _)| i.is_same_part(*body, key) == Ok(true));
+        let placed = pieces.filter_map(|(body, own)| Some((own, i.on_first_piece(body).ok()?)));
+        placed.map(|(own, place)| own.mass_kg * place.to_world(own.center_of_mass_m)[0]).sum()
     };
     let mut other = instrument.clone();
     let mass_kg = other.bodies[back].mass_kg;
@@ -136,10 +135,8 @@ fn dull(instrument: &Instrument) -> Instrument {
 /// A key that sticks in its pins.
 fn rubbing(instrument: &Instrument) -> Instrument {
     let mut other = instrument.clone();
-    if let Some(key) = instrument.roles.key {
-        other
-            .edit(|fields| fields.bodies[instrument.first_piece(key)].friction_torque_n_m *= 3.0)
-            .expect("numbers alone");
+    if let Some(back) = instrument.roles.key.and_then(|key| instrument.first_piece(key).ok()) {
+        other.edit(|fields| fields.bodies[back].friction_torque_n_m *= 3.0).expect("numbers alone");
     }
     other
 }

@@ -6,7 +6,6 @@ use super::places::{Place, Places};
 use crate::drawing::fallback::circle;
 use crate::drawing::material::Finish;
 use crate::drawing::piece::{Carrier, Piece};
-use erard::grand::{Parts as Weighed, strike_weight_g};
 use erard::instrument::{Instrument, Placement, Vec2};
 
 /// What a picture is drawn from.
@@ -36,21 +35,14 @@ const HEAD_G: f64 = 7.0;
 /// The head's size against the one that the outlines show. Heads are as thick from bass to treble, so that their area
 /// goes with their mass.
 pub(super) fn head_scale(instrument: &Instrument, parts: &Parts) -> f64 {
-    let hammers = &parts.hammer;
-    let strike_g = if let [hammer] = hammers[..] {
-        let weighed =
-            Weighed { key: parts.key[0], hammer, whippen: parts.whippen, let_off_stops: Vec::new(), damper: None };
-        strike_weight_g(instrument, &weighed)
-    } else {
-        // A hammer in several pieces: their moments about the first one's pin.
-        let (mut moment, mut offset) = (0.0, 0.0);
-        for (index, &body) in hammers.iter().enumerate() {
-            let body = &instrument.bodies[body];
-            offset += if index > 0 { body.pivot_m[0] } else { 0.0 };
-            moment += 1e3 * body.mass_kg * (offset + body.center_of_mass_m[0]);
-        }
-        moment / (offset + instrument.roles.hammer_strike_point_m[0])
-    };
+    // Moments of the hammer's pieces about the first one's pin.
+    let (mut moment, mut offset) = (0.0, 0.0);
+    for (index, &body) in parts.hammer.iter().enumerate() {
+        let body = &instrument.bodies[body];
+        offset += if index > 0 { body.pivot_m[0] } else { 0.0 };
+        moment += 1e3 * body.mass_kg * (offset + body.center_of_mass_m[0]);
+    }
+    let strike_g = moment / (offset + instrument.roles.hammer_strike_point_m[0]);
     ((strike_g - SHANK_G).max(0.0) / HEAD_G).sqrt().clamp(0.45, 1.5)
 }
 

@@ -1,6 +1,7 @@
 //! Readings of strings, and where the pedal is sent.
 
 use super::{Mode, Strings};
+use crate::index::IndexError;
 use crate::instrument::PianoString;
 use crate::strings::StringLosses;
 use crate::strings::bridge::Bridge;
@@ -67,14 +68,15 @@ impl Strings {
     /// A string's displacement at a place now, m, of the modes that are stepped; `place_m` from the end that the strike
     /// is counted from.
     ///
-    /// # Panics
-    /// If there is no such string.
-    #[must_use]
-    pub fn shape_m(&self, string: usize, place_m: f64) -> f64 {
+    /// # Errors
+    /// There is no such string.
+    pub fn shape_m(&self, string: usize, place_m: f64) -> Result<f64, IndexError> {
+        IndexError::check("string", string, self.strings.len())?;
         let length_m = self.strings[string].length_m;
         let own = self.modes.iter().filter(|mode| mode.string == string);
-        own.map(|mode| PianoString::shape(mode.n, place_m, length_m) * self.blocks[mode.at / WIDE].q[mode.at % WIDE])
-            .sum()
+        let shapes = own
+            .map(|mode| PianoString::shape(mode.n, place_m, length_m) * self.blocks[mode.at / WIDE].q[mode.at % WIDE]);
+        Ok(shapes.sum())
     }
 
     /// The modes of a string: number, and place in the blocks.
