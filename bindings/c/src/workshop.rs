@@ -209,9 +209,9 @@ fn not_measured(error: &MeasureError) -> Fault {
 /// Turns an instrument's screws until its action meets goals and returns JSON: the outcome of every goal, the screws
 /// that were turned, all distances before and after (the fields of the report that `erard regulate` writes), and
 /// "file", the text of the instrument file with its new settings. The instrument itself does not change. If `goals` is
-/// NULL, the goals are the trade's norms. Otherwise it is a JSON object of goals by name, with values in mm (the spring
-/// in mm/s, the damper in %) or texts with units: {"let-off": 1.5, "blow": "1.8in"}. `progress` may be NULL. Takes
-/// seconds. Returns NULL on failure. Free the text with erard_text_free.
+/// NULL, the goals are the trade's norms. Otherwise it is a JSON object of goals by name, with values in mm
+/// (`repetition spring` in mm/s, `damper start` in %) or texts with units: {"let-off": 1.5, "blow": "1.8in"}. `progress`
+/// may be NULL. Takes seconds. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_regulate(
     instrument: *const ErardInstrument,
@@ -253,7 +253,7 @@ fn asked(goals: &str) -> Result<Specification, Fault> {
         return Err(wrong("the goals are not a JSON object, such as {\"let-off\": 1.5}".into()));
     };
     let each = goals.into_iter().map(|(name, value)| {
-        let goal = Goal::ALL.into_iter().find(|goal| goal.name() == canonical_name(&name)).ok_or_else(|| {
+        let goal = Goal::named(&name).ok_or_else(|| {
             let known = Goal::ALL.map(Goal::name).join(", ");
             wrong(format!("there is no goal `{name}`; expected one of {known}"))
         })?;

@@ -85,9 +85,7 @@ pub(crate) fn regulate<'py>(
 ) -> PyResult<(Instrument, Bound<'py, PyDict>)> {
     let mut specification: Specification = Vec::new();
     for (name, text) in &goals {
-        let spoken = name.replace('_', " ");
-        let goal = Goal::ALL.into_iter().find(|goal| goal.name().replace(['-', '_'], " ") == spoken);
-        let goal = goal.ok_or_else(|| {
+        let goal = Goal::named(name).ok_or_else(|| {
             let names: Vec<String> = Goal::ALL.into_iter().map(|goal| goal.name().replace([' ', '-'], "_")).collect();
             wrong_argument(name, format!("is no goal; expected {}", names.join(", ")))
         })?;

@@ -98,7 +98,10 @@ def test_measure_and_regulate(grand: erard.Instrument) -> None:
     assert erard.Instrument(wider.text) == wider == grand.regulate(let_off=2.2e-3)
     with pytest.raises(erard.InputError, match="a length from"):
         grand.regulate(dip="10 mm/s")
-    with pytest.raises(erard.InputError, match="is no goal"):
+    for name in ("repetition_spring", "spring"):
+        with pytest.raises(erard.InputError, match="a speed from"):
+            grand.regulate(**{name: "10 mm"})
+    with pytest.raises(erard.InputError, match="is no goal; expected .*repetition_spring.*damper_start"):
         grand.regulate(leton="1 mm")
 
 

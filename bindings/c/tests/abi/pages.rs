@@ -287,6 +287,8 @@ fn screws_are_turned() {
     assert!(new.screws.iter().any(|screw| screw.name == "let_off" && screw.setting != 0.0));
     for (goals, words) in [
         (r#"{"let-off": 200}"#, "mm"),
+        (r#"{"repetition_spring": "9mm"}"#, "mm/s"),
+        (r#"{"damper start": 200}"#, "%"),
         (r#"{"lets-off": 2}"#, "lets-off"),
         (r#"{"dip": "ten"}"#, "dip"),
         ("[]", "object"),

@@ -346,8 +346,9 @@ class Instrument:
         progress : bool, optional
             A progress bar.
         **goals
-            `dip`, `blow`, `let_off`, `drop`, `check`, `repetition_rise`, `spring`, `jack_position`, `lever_height`, `damper`: a text with a unit
-            ("1.5 mm", "300 mm/s", "50 %") or a number in SI units (m, m/s, share).
+            `dip`, `blow`, `let_off`, `drop`, `check`, `repetition_rise`, `repetition_spring`, `jack_position`,
+            `lever_height`, `damper_start`: a text with a unit ("1.5 mm", "300 mm/s", "50 %") or a number in SI units
+            (m, m/s, share).
 
         Returns
         -------

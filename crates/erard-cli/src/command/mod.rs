@@ -23,6 +23,7 @@ mod play;
 mod press;
 mod press_pair;
 mod regulate;
+mod renamed;
 mod scan;
 mod studio;
 mod study;
@@ -158,7 +159,11 @@ pub fn run_program<P: FromArgMatches>(
         P::from_arg_matches(&matches)
     }) {
         Ok(program) => program,
-        Err(error) => return usage(&mut session, &error, &arguments),
+        Err(mut error) => {
+            let subcommand = arguments.iter().skip(1).filter_map(|one| one.to_str()).find(|one| !one.starts_with('-'));
+            renamed::name_renamed(&mut error, subcommand);
+            return usage(&mut session, &error, &arguments);
+        }
     };
     session.printer.set_output_mode(mode(&program));
     let result = work(&program, &mut session);

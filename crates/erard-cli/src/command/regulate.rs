@@ -84,8 +84,8 @@ struct Goals {
     #[arg(long, value_name = "12mm", allow_hyphen_values = true)]
     repetition_rise: Option<String>,
     /// Strength of the repetition spring: largest hammer speed in that rise
-    #[arg(long, value_name = "250mm/s", allow_hyphen_values = true)]
-    spring: Option<String>,
+    #[arg(long, alias = "spring", value_name = "250mm/s", allow_hyphen_values = true)]
+    repetition_spring: Option<String>,
     /// Distance from the middle of the knuckle to the rear edge of the jack's top
     #[arg(long, value_name = "1.5mm", allow_hyphen_values = true)]
     jack_position: Option<String>,
@@ -93,8 +93,8 @@ struct Goals {
     #[arg(long, value_name = "0.1mm", allow_hyphen_values = true)]
     lever_height: Option<String>,
     /// Key travel at which the damper starts to rise, as a share of the dip
-    #[arg(long, value_name = "50%", allow_hyphen_values = true)]
-    damper: Option<String>,
+    #[arg(long, alias = "damper", value_name = "50%", allow_hyphen_values = true)]
+    damper_start: Option<String>,
 }
 
 impl Goals {
@@ -108,8 +108,8 @@ impl Goals {
             Goal::Drop => ("--drop", &self.drop),
             Goal::Check => ("--check", &self.check),
             Goal::RepetitionRise => ("--repetition-rise", &self.repetition_rise),
-            Goal::Spring => ("--spring", &self.spring),
-            Goal::Damper => ("--damper", &self.damper),
+            Goal::RepetitionSpring => ("--repetition-spring", &self.repetition_spring),
+            Goal::DamperStart => ("--damper-start", &self.damper_start),
         };
         (option, text.as_deref())
     }
@@ -186,7 +186,7 @@ impl Regulate {
         if soft[1] > HARDLY_HEARD_M_PER_S {
             warn!(
                 session,
-                "warning: a soft note strikes twice, the second time at {:.2} m/s (before: {:.2} m/s): a weaker repetition spring (--spring) or a \
+                "warning: a soft note strikes twice, the second time at {:.2} m/s (before: {:.2} m/s): a weaker repetition spring (--repetition-spring) or a \
                  longer drop (--drop) helps",
                 soft[1],
                 soft[0]

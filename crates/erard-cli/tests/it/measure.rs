@@ -181,7 +181,7 @@ fn the_technicians_sheet() {
         command.current_dir(&folder.0).arg("regulate").args(arguments).output().unwrap()
     };
     assert!(
-        regulate(&["--let-off", "4mm", "--drop", "4mm", "--spring", "100mm/s", "--out-file", "worn.toml"])
+        regulate(&["--let-off", "4mm", "--drop", "4mm", "--repetition-spring", "100mm/s", "--out-file", "worn.toml"])
             .status
             .success()
     );

@@ -47,7 +47,7 @@ fn a_mis_set_file_is_put_right() {
     ] {
         assert!((value.unwrap() - asked).abs() < 0.05e-3, "{asked}: {d:?}");
     }
-    assert!((d.spring_m_per_s.unwrap() / 0.25 - 1.0).abs() < 0.02);
+    assert!((d.repetition_spring_m_per_s.unwrap() / 0.25 - 1.0).abs() < 0.02);
 
     let report: Value = serde_json::from_str(&folder.read("right.json")).unwrap();
     assert_eq!(report["all_met"], true);
@@ -103,10 +103,10 @@ fn a_priority_brings_the_aftertouch_into_its_range() {
 #[test]
 fn soft_notes_that_strike_twice_are_told() {
     let folder = folder("twice");
-    let output = folder.erard(&["concert-grand", "--spring", "400mm/s", "--out-file", "strong.toml"]);
+    let output = folder.erard(&["concert-grand", "--repetition-spring", "400mm/s", "--out-file", "strong.toml"]);
     assert_eq!(output.status.code(), Some(0));
     let told = String::from_utf8(output.stderr).unwrap();
-    assert!(told.contains("strikes twice") && told.contains("--spring"), "{told}");
+    assert!(told.contains("strikes twice") && told.contains("--repetition-spring"), "{told}");
     let report: Value = serde_json::from_str(&folder.read("strong.json")).unwrap();
     let [before, after] = ["before", "after"].map(|key| report["double_strike_m_per_s"][key].as_f64().unwrap());
     assert!(before < HARDLY_HEARD_M_PER_S && after > 1.5 * HARDLY_HEARD_M_PER_S, "{report}");
@@ -135,8 +135,8 @@ fn wrong_arguments_write_nothing() {
         (&["--dip", "ten"][..], "--dip ten: expected a length from 3 mm to 14 mm"),
         (&["--dip", "100mm"], "--dip 100mm: expected a length"),
         (&["--let-off", "-1mm"], "--let-off -1mm: expected a length from 0.1 mm to 20 mm"),
-        (&["--spring", "3mm"], "--spring 3mm: expected a speed"),
-        (&["--damper", "half"], "--damper half: expected a share of the dip"),
+        (&["--repetition-spring", "3mm"], "--repetition-spring 3mm: expected a speed"),
+        (&["--damper-start", "half"], "--damper-start half: expected a share of the dip"),
         (&["upright"], "no built-in instrument `upright`"),
         (&["missing.toml"], "missing.toml: cannot be read"),
         (&["broken.toml"], "broken.toml:2:8: `name`"),

@@ -59,7 +59,7 @@ pub struct Distances {
     /// off, m. Positive: the jack is lower and slips back freely.
     pub lever_height_m: Option<f64>,
     /// Damper timing: travel of the key front when the damper has risen by `MOVED_M`, as a share of the dip.
-    pub damper_start: Option<f64>,
+    pub damper_start_share: Option<f64>,
     /// Check distance: strike point to string with the hammer caught by the back check after a medium blow, m, or after
     /// a harder one if that one leaves it uncaught. `None` if it is caught after none of them.
     pub check_m: Option<f64>,
@@ -69,7 +69,7 @@ pub struct Distances {
     pub repetition_rise_m: Option<f64>,
     /// Strength of the repetition spring: largest speed of the strike point during that rise, m/s. Technicians judge it
     /// by eye: a brisk rise that can be followed, without a jump.
-    pub spring_m_per_s: Option<f64>,
+    pub repetition_spring_m_per_s: Option<f64>,
     /// Steps of the trials that reached an iteration limit.
     pub unconverged_steps: u64,
 }
@@ -230,7 +230,7 @@ fn slow_key(
     distances.let_off_m = Some(nearest_m);
     distances.lost_motion_m = lost;
     distances.dip_m = dip_m;
-    distances.damper_start = damper.zip(dip_m).map(|(start, dip)| start / dip);
+    distances.damper_start_share = damper.zip(dip_m).map(|(start, dip)| start / dip);
     distances.unconverged_steps += fixture.unconverged;
     Ok(())
 }
@@ -291,7 +291,7 @@ fn medium_blow(
     distances: &mut Distances,
     progress: &mut Progress<'_>,
 ) -> Result<(), DistanceError> {
-    (distances.check_m, distances.repetition_rise_m, distances.spring_m_per_s) = (None, None, None);
+    (distances.check_m, distances.repetition_rise_m, distances.repetition_spring_m_per_s) = (None, None, None);
     let Some(check) = anatomy.check else { return Ok(()) };
     for harder in HARDER {
         let mut fixture = Fixture::at_rest(instrument, anatomy, protocol.blow_step_s)?;
@@ -343,6 +343,6 @@ fn blow_and_let_up(
         progress,
     )?;
     distances.repetition_rise_m = Some(caught_m - fixture.view().below_string_m);
-    distances.spring_m_per_s = Some(fastest_m_per_s);
+    distances.repetition_spring_m_per_s = Some(fastest_m_per_s);
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Goals of a regulation.
 
-use erard::parameter::Quantity;
+use erard::parameter::{Quantity, canonical_name};
 
 use crate::distances::{Distances, Trial};
 
@@ -26,10 +26,10 @@ pub enum Goal {
     Check,
     /// [`Distances::repetition_rise_m`].
     RepetitionRise,
-    /// [`Distances::spring_m_per_s`].
-    Spring,
-    /// [`Distances::damper_start`].
-    Damper,
+    /// [`Distances::repetition_spring_m_per_s`].
+    RepetitionSpring,
+    /// [`Distances::damper_start_share`].
+    DamperStart,
 }
 
 /// Properties of a goal.
@@ -61,8 +61,8 @@ const KNOWN: [Known; 10] = [
     known("drop", Length, Some(1.5e-3), [0.2e-3, 20e-3], |d| d.drop_m),
     known("check", Length, Some(15e-3), [2e-3, 40e-3], |d| d.check_m),
     known("repetition rise", Length, None, [0.5e-3, 40e-3], |d| d.repetition_rise_m),
-    known("spring", Speed, Some(0.25), [0.02, 2.0], |d| d.spring_m_per_s),
-    known("damper", Share, Some(0.5), [0.05, 0.95], |d| d.damper_start),
+    known("repetition spring", Speed, Some(0.25), [0.02, 2.0], |d| d.repetition_spring_m_per_s),
+    known("damper start", Share, Some(0.5), [0.05, 0.95], |d| d.damper_start_share),
 ];
 
 /// Goals with their values in m, m/s, or shares.
@@ -79,13 +79,25 @@ impl Goal {
         Goal::Drop,
         Goal::Check,
         Goal::RepetitionRise,
-        Goal::Spring,
-        Goal::Damper,
+        Goal::RepetitionSpring,
+        Goal::DamperStart,
     ];
 
     /// Row of the goal.
     fn known(self) -> &'static Known {
         &KNOWN[self as usize]
+    }
+
+    /// Finds a goal by its name, with blanks, hyphens or underscores (`let-off`, `let_off`), in regional words
+    /// ([`canonical_name`]) or as readings of `diagnose` are named (`spring`, `damper`).
+    pub fn named(name: &str) -> Option<Self> {
+        let joined = |name: &str| canonical_name(&name.trim().to_lowercase().replace([' ', '-'], "_"));
+        let name = joined(name);
+        match name.as_str() {
+            "spring" => Some(Goal::RepetitionSpring),
+            "damper" => Some(Goal::DamperStart),
+            name => Goal::ALL.into_iter().find(|goal| joined(goal.name()) == name),
+        }
     }
 
     /// Name in the trade.
@@ -102,11 +114,11 @@ impl Goal {
     ///
     /// Dip 10 (published 9.5-11), blow 46 (44-49), let-off 1.5, drop 1.5, check 15 (12-15): Brekne 2009, Gillespie et
     /// al. 2011. Jack position 1.5: the jack's rear edge flush with the rear of a knuckle core 3 mm thick. Lever height
-    /// 0.1: the jack just below the lever. Damper 0.5: dampers rise from half stroke. Spring 0.25 m/s: an estimate;
-    /// technicians want a brisk rise without a kick and give no number. It is a compromise: with much less the shipped
-    /// actions miss strokes at 8 Hz, above about 0.22 m/s a hammer let up slowly from the check reaches the string, and
-    /// at 0.3 m/s the concert grand's soft notes strike twice, the second time at 0.24 m/s (`erard regulate --spring
-    /// 300mm/s`).
+    /// 0.1: the jack just below the lever. Damper start 0.5: dampers rise from half stroke. Repetition spring 0.25 m/s:
+    /// an estimate; technicians want a brisk rise without a kick and give no number. It is a compromise: with much less
+    /// the shipped actions miss strokes at 8 Hz, above about 0.22 m/s a hammer let up slowly from the check reaches the
+    /// string, and at 0.3 m/s the concert grand's soft notes strike twice, the second time at 0.24 m/s (`erard regulate
+    /// --repetition-spring 300mm/s`).
     pub(crate) fn norm(self) -> Option<f64> {
         self.known().norm
     }
@@ -126,8 +138,8 @@ impl Goal {
     pub(crate) fn tolerance(self, target: f64) -> f64 {
         match self {
             Goal::LeverHeight => 2e-5,
-            Goal::Spring => 0.02 * target,
-            Goal::Damper => 0.01,
+            Goal::RepetitionSpring => 0.02 * target,
+            Goal::DamperStart => 0.01,
             _ => 5e-5,
         }
     }
@@ -141,7 +153,7 @@ impl Goal {
     pub(super) fn trial(self) -> Trial {
         match self {
             Goal::LeverHeight => Trial::LiftedHammer,
-            Goal::Check | Goal::RepetitionRise | Goal::Spring => Trial::MediumBlow,
+            Goal::Check | Goal::RepetitionRise | Goal::RepetitionSpring => Trial::MediumBlow,
             _ => Trial::SlowKey,
         }
     }
@@ -150,7 +162,7 @@ impl Goal {
     /// bottom is infinitely deep.
     pub(super) fn missing(self) -> f64 {
         match self {
-            Goal::RepetitionRise | Goal::Spring => 0.0,
+            Goal::RepetitionRise | Goal::RepetitionSpring => 0.0,
             _ => f64::INFINITY,
         }
     }

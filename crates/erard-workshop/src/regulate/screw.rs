@@ -154,7 +154,7 @@ pub const KNOWN_SCREWS: [KnownScrew; 12] = [
         reference: [0.0; 2],
         range: [-0.8, 1.0],
         work: Handwork::Bent,
-        goals: &[(Goal::Spring, 25.0)],
+        goals: &[(Goal::RepetitionSpring, 25.0)],
     },
     KnownScrew {
         name: "damper_timing",
@@ -163,7 +163,7 @@ pub const KNOWN_SCREWS: [KnownScrew; 12] = [
         reference: UP,
         range: [-4e-3, 4e-3],
         work: Handwork::Thread(CAPSTAN_THREAD_M),
-        goals: &[(Goal::Damper, -110.0)],
+        goals: &[(Goal::DamperStart, -110.0)],
     },
 ];
 

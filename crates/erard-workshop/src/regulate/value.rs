@@ -55,9 +55,9 @@ mod tests {
         close(Goal::Dip, "0.01 m", 10e-3);
         close(Goal::Blow, "1.75in", 44.45e-3);
         close(Goal::Blow, "1 3/4\"", 44.45e-3);
-        close(Goal::Spring, "200mm/s", 0.2);
-        close(Goal::Spring, "0.2 m/s", 0.2);
-        close(Goal::Damper, "50%", 0.5);
+        close(Goal::RepetitionSpring, "200mm/s", 0.2);
+        close(Goal::RepetitionSpring, "0.2 m/s", 0.2);
+        close(Goal::DamperStart, "50%", 0.5);
         for (goal, text) in [
             (Goal::Dip, "ten"),
             (Goal::Dip, ""),
@@ -66,8 +66,8 @@ mod tests {
             (Goal::Dip, "-10mm"),
             (Goal::Dip, "nan"),
             (Goal::Dip, "inf"),
-            (Goal::Damper, "100%"),
-            (Goal::Damper, "5mm"),
+            (Goal::DamperStart, "100%"),
+            (Goal::DamperStart, "5mm"),
         ] {
             assert!(parse_value(goal, text).is_err(), "{text}");
         }

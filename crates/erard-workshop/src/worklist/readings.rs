@@ -167,8 +167,8 @@ impl ReadingQuantity {
             LetOff => Goal::LetOff,
             Drop => Goal::Drop,
             Check => Goal::Check,
-            Spring => Goal::Spring,
-            Damper => Goal::Damper,
+            Spring => Goal::RepetitionSpring,
+            Damper => Goal::DamperStart,
             _ => return None,
         })
     }

@@ -162,7 +162,7 @@ fn in_regulation(keys: &[usize]) {
         distance("drop", found.drop_m, 1.0, 2.0);
         distance("aftertouch", found.aftertouch_m, 0.5, 1.5);
         distance("check", found.check_m, 12.0, 15.0);
-        let spring = found.spring_m_per_s.expect("lifts");
+        let spring = found.repetition_spring_m_per_s.expect("lifts");
         assert!((0.2..0.35).contains(&spring), "key {key}: {spring} m/s");
     }
 }
@@ -267,7 +267,7 @@ mod nightly {
             let mm = 1e3 * found.check_m.expect("is caught");
             println!("key {key}: check {mm:.2} mm");
             assert!((12.0..=15.0).contains(&mm), "key {key}: {mm} mm");
-            let spring = found.spring_m_per_s.expect("lifts");
+            let spring = found.repetition_spring_m_per_s.expect("lifts");
             assert!((0.2..0.35).contains(&spring), "key {key}: {spring} m/s");
         }
     }

@@ -12,10 +12,11 @@ use erard::parameter::{
     ChangeError, FileNumber, NameError, Parameter, ParameterChange, Quantity, aliases, number_of, register, varied,
     varied_text,
 };
-use erard_workshop::diagnose::{causes, inject, injected_amount};
+use erard_workshop::diagnose::{causes, entries, inject, injected_amount};
 use erard_workshop::dials::{Group, dials, with_dials};
 use erard_workshop::fit::fit_parameters;
 use erard_workshop::fmu::{Role, Unit};
+use erard_workshop::measure::norms::lines;
 use erard_workshop::regulate::{Goal, KNOWN_SCREWS};
 use erard_workshop::sample::drawn;
 use erard_workshop::sensitivities::Variable;
@@ -601,6 +602,28 @@ fn known_screws_are_the_screws_of_the_register() {
     for goal in Goal::ALL {
         assert!(KNOWN_SCREWS.iter().any(|screw| screw.goals.iter().any(|(own, _)| *own == goal)), "{}", goal.name());
     }
+}
+
+/// A goal has the name of its line on the sheet, without the unit, and is found by it however its words are joined;
+/// the options of `diagnose` for these readings have the same names.
+#[test]
+fn goals_are_named_as_the_sheet_names_them() {
+    for goal in Goal::ALL {
+        let own = goal.name().replace([' ', '-'], "_");
+        let is_own =
+            |key: &str| key.strip_prefix(&own).is_some_and(|unit| ["_mm", "_m_per_s", "_share"].contains(&unit));
+        let line = lines().find(|line| is_own(line.key)).unwrap_or_else(|| panic!("no line is called {own}"));
+        if let Some(entry) = entries().iter().find(|entry| *line.key == *entry.name) {
+            assert!(entry.is_called(&own), "{own}");
+        }
+        for name in [own.clone(), own.replace('_', "-"), own.replace('_', " "), format!(" {own}").to_uppercase()] {
+            assert_eq!(Goal::named(&name), Some(goal), "{name}");
+        }
+    }
+    for (name, goal) in [("spring", Goal::RepetitionSpring), ("damper", Goal::DamperStart), ("set off", Goal::LetOff)] {
+        assert_eq!(Goal::named(name), Some(goal), "{name}");
+    }
+    assert_eq!(Goal::named("lets-off"), None);
 }
 
 /// Sliders are the screws of the register with their settings and units, and further ones that change registered

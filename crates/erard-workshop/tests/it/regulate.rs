@@ -59,7 +59,10 @@ fn a_mis_set_action_is_put_right() {
     let mut nearer = wrong.clone();
     turn_on(&mut nearer, &[("back_check", 2.5)]);
     let weak = measure(&nearer, &Protocol::default(), &mut |_| true).unwrap();
-    assert!(before.check_m.is_none() && weak.spring_m_per_s.is_none_or(|speed| speed < 0.1), "{before:?} {weak:?}");
+    assert!(
+        before.check_m.is_none() && weak.repetition_spring_m_per_s.is_none_or(|speed| speed < 0.1),
+        "{before:?} {weak:?}"
+    );
     assert_ne!(blows_at_eight_hertz(&wrong, before.dip_m.unwrap()), 16);
 
     let regulated = regulated(&wrong, &Goal::norms());
@@ -70,8 +73,8 @@ fn a_mis_set_action_is_put_right() {
     for (goal, target) in Goal::norms() {
         let off = (goal.of(&after).unwrap() - target).abs();
         let allowed = match goal {
-            Goal::Spring => 0.02 * target,
-            Goal::Damper => 0.01,
+            Goal::RepetitionSpring => 0.02 * target,
+            Goal::DamperStart => 0.01,
             _ => 0.05e-3,
         };
         assert!(off <= allowed, "{}: {after:?}", goal.name());
@@ -151,7 +154,7 @@ fn a_rise_that_cannot_be_met_is_said_so() {
 #[test]
 #[ignore = "ci: three regulations to the ends of ranges"]
 fn screws_stay_in_their_range() {
-    for goals in [vec![(Goal::Spring, 2.0)], vec![(Goal::LetOff, 20e-3)], vec![(Goal::Check, 40e-3)]] {
+    for goals in [vec![(Goal::RepetitionSpring, 2.0)], vec![(Goal::LetOff, 20e-3)], vec![(Goal::Check, 40e-3)]] {
         let end = regulated(&rigid_grand(), &goals);
         assert!(!end.all_met(), "{:?}", end.achieved);
         for turned in &end.turned {
