@@ -8,7 +8,9 @@ use erard::run::{Setup, SimulationError};
 use erard::stroke::{PositionOf, Prescribed, Stroke as InnerStroke};
 use erard_workshop::compare::Which;
 use erard_workshop::cores;
-use erard_workshop::study::{Axis, Grid, Job, OUTCOMES, OwnResult, Played, Row, Sampling, Workers, doubts, sample_all};
+use erard_workshop::study::{
+    Axis, Grid, Job, OUTCOMES, OwnResult, Played, Sampling, StudyRow, Workers, doubts, sample_all,
+};
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -245,7 +247,7 @@ pub(crate) fn study<'py>(
     let count = grid.count();
     let (from, to) = rows.unwrap_or((0, count));
     let rows = watched(py, progress, |going| grid.play_rows(from..to.min(count), going), fault::simulation)?;
-    let columns = |count: usize, of: &dyn Fn(&Row, usize) -> Option<f64>| {
+    let columns = |count: usize, of: &dyn Fn(&StudyRow, usize) -> Option<f64>| {
         let column = |k| rows.iter().map(|row| of(row, k).unwrap_or(f64::NAN)).collect::<Vec<f64>>().into_pyarray(py);
         (0..count).map(column).collect::<Vec<_>>()
     };

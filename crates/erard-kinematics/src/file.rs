@@ -11,7 +11,7 @@ use erard::instrument::error::Fault;
 use erard::instrument::file::{check_size, read_bytes, utf8};
 use erard::instrument::from_toml::from_toml;
 use erard::instrument::locate::dress;
-use erard::instrument::quantity::{Kind, Num};
+use erard::instrument::quantity::{Num, NumberKind};
 use erard::instrument::reader::{LENGTH_MM, Limits, MM_PER_M, Reader, title};
 use erard::instrument::schema::schema_of;
 use erard::instrument::serde_fault::serde_fault;
@@ -164,6 +164,6 @@ fn convert(file: &LinkageToml, file_name: &str) -> Result<LinkageFile, Fault> {
     Ok(LinkageFile { name, levers, blow_m, let_off_m })
 }
 
-fn value_span<T: Kind>(number: &Num<T>) -> std::ops::Range<usize> {
+fn value_span<T: NumberKind>(number: &Num<T>) -> std::ops::Range<usize> {
     number.value_span()
 }

@@ -8,11 +8,12 @@ use std::time::Instant;
 
 use moreau::GROUND;
 use moreau_rigid::{
-    Body, Energies, ImpactLaw, Model, Outcome, Placement, PolygonContact, Settings, SolvedBy, State, Workspace, step,
+    Body, Energies, ImpactLaw, Model, Placement, PolygonContact, Settings, SolvedBy, State, StepOutcome, Workspace,
+    step,
 };
 
-const MOST: usize = 16;
-const LAWS: usize = 4 * MOST;
+const MAX_BLOCKS: usize = 16;
+const LAWS: usize = 4 * MAX_BLOCKS;
 /// Half width and height of a block, m.
 const HALF: [f64; 2] = [0.1, 0.05];
 
@@ -20,7 +21,7 @@ fn main() {
     let stronge = std::env::args().any(|a| a == "stronge");
     let mut arguments =
         std::env::args().skip(1).filter(|a| a != "stronge").map(|a| a.parse::<f64>().expect("a number or `stronge`"));
-    let blocks = (arguments.next().unwrap_or(15.0) as usize).clamp(1, MOST);
+    let blocks = (arguments.next().unwrap_or(15.0) as usize).clamp(1, MAX_BLOCKS);
     let h = arguments.next().unwrap_or(1e-3);
     let duration = arguments.next().unwrap_or(1.0);
     let [x, y] = HALF;
@@ -46,7 +47,7 @@ fn main() {
             (Placement { at: [0.0, y + i as f64 * (2.0 * y + 0.002) + 0.002], angle }, [0.0; 3])
         })
         .collect();
-    let mut state = Box::new(State::<f64, MOST, LAWS>::new(&start));
+    let mut state = Box::new(State::<f64, MAX_BLOCKS, LAWS>::new(&start));
     let mut workspace = Box::new(Workspace::new());
     let mut settings = Settings::new(h);
     if stronge {
@@ -61,9 +62,9 @@ fn main() {
         let report = step(&model, &settings, &[], &mut state, &mut workspace);
         times.push(clock.elapsed().as_secs_f64());
         outcomes[match report.outcome {
-            Outcome::Converged => 0,
-            Outcome::Approximate => 1,
-            Outcome::Painleve => 2,
+            StepOutcome::Converged => 0,
+            StepOutcome::Approximate => 1,
+            StepOutcome::Painleve => 2,
             _ => 3,
         }] += 1;
         solvers[match report.solver {

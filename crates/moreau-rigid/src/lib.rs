@@ -38,6 +38,6 @@ pub use mixed::{Mode, SolvedBy};
 pub use model::{Body, Joint, JointKind, Model, ModelError, Spring, Torsion};
 pub use placement::{Placement, Twist};
 pub use state::{ImpactLaw, Settings, State};
-pub use step::{Outcome, StepReport, step};
+pub use step::{StepOutcome, StepReport, step};
 pub use touch::ContactPoint;
 pub use workspace::Workspace;

@@ -18,7 +18,7 @@ const NEARLY: u32 = 4;
 
 /// Outcome of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
+pub enum StepOutcome {
     /// Velocities, laws and joints met their tolerances.
     Converged,
     /// As `Converged`, but Coulomb's law admits no finite force that keeps a slipping contact closed (Painleve). The
@@ -42,7 +42,7 @@ pub enum Outcome {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepReport<T> {
     /// Outcome of the step.
-    pub outcome: Outcome,
+    pub outcome: StepOutcome,
     /// Number of iterations on forces and rows.
     pub iterations: u32,
     /// Guesses in the one-step problems, summed.
@@ -73,7 +73,7 @@ pub fn step<T: Scalar, const B: usize, const N: usize>(
     workspace: &mut Workspace<T, B, N>,
 ) -> StepReport<T> {
     let mut report = StepReport {
-        outcome: Outcome::IterationLimit,
+        outcome: StepOutcome::IterationLimit,
         iterations: 0,
         guesses: 0,
         sweeps: 0,
@@ -84,7 +84,7 @@ pub fn step<T: Scalar, const B: usize, const N: usize>(
         impact_ended: true,
     };
     if model.bodies.len() > B || model.laws() > N {
-        report.outcome = Outcome::NoRoom;
+        report.outcome = StepOutcome::NoRoom;
         return report;
     }
     let (h, theta) = (settings.step, settings.theta);
@@ -152,24 +152,24 @@ pub fn step<T: Scalar, const B: usize, const N: usize>(
         (report.solver, report.residual) = (solution.by, solution.residual);
         report.iterations = iteration + 1;
         if solution.solved == Solved::None {
-            report.outcome = Outcome::NoSolution;
+            report.outcome = StepOutcome::NoSolution;
             return report;
         }
         let mut next = free;
         push_all(model, &p, workspace, &mut next);
         let (change, finite) = correction(&v, &next);
         if !finite {
-            report.outcome = Outcome::NonFinite;
+            report.outcome = StepOutcome::NonFinite;
             return report;
         }
         v = next;
         if solution.solved == Solved::Yes {
             if change <= settings.tolerance {
-                report.outcome = Outcome::Converged;
+                report.outcome = StepOutcome::Converged;
                 break;
             }
         } else if change <= settings.tolerance.max(solution.residual) || report.iterations >= NEARLY {
-            report.outcome = Outcome::Approximate;
+            report.outcome = StepOutcome::Approximate;
             break;
         }
     }
@@ -177,15 +177,15 @@ pub fn step<T: Scalar, const B: usize, const N: usize>(
     let mut q1 = moved(&q0, &blend(&v0, &v, theta), h);
     let closed = close_joints(model, &mut q1, settings.position_tolerance, true);
     if !q1.iter().all(|q| q.at[0].finite() && q.at[1].finite() && q.angle.finite()) {
-        report.outcome = Outcome::NonFinite;
+        report.outcome = StepOutcome::NonFinite;
         return report;
     }
     if !closed {
-        report.outcome = Outcome::IterationLimit;
-    } else if report.outcome == Outcome::Converged
+        report.outcome = StepOutcome::IterationLimit;
+    } else if report.outcome == StepOutcome::Converged
         && jammed(model, &slip, &closing, &mode, &p, still, tolerance, &workspace.problem)
     {
-        report.outcome = Outcome::Painleve;
+        report.outcome = StepOutcome::Painleve;
     }
     if settings.impact_law == ImpactLaw::Newton && closing.iter().any(|u| *u > still) {
         report.impact_energy = contact_work(model, &v0, &v, &p, workspace);

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 
 use erard::{Action, Input, Instrument, Reading, StepOutcome};
 use erard_bench::callgrind::{CountError, instructions, is_available};
-use erard_bench::{Load, MF_N, STEP_S, STEPS, WIDEST, described, grand, group, instrument, note};
+use erard_bench::{Load, MAX_LANES, MF_N, STEP_S, STEPS, described, grand, group, instrument, note};
 use moreau::{Settings, step};
 use moreau_kernels::{Lanes, WorkspaceOfSix};
 
@@ -26,7 +26,7 @@ const SUBJECTS: [Subject; 14] = [
     ("step", "--at-most", 1, |steps| {
         black_box(bare_note(steps));
     }),
-    ("group_step", "--at-most-group", (WIDEST / 4) as u64, |steps| {
+    ("group_step", "--at-most-group", (MAX_LANES / 4) as u64, |steps| {
         black_box(Load::parameter_study(1, steps).in_lanes(1, Lanes::Four));
     }),
     ("action_step", "--at-most-action", 1, |steps| {

@@ -18,7 +18,7 @@ pub use bare::OverBare;
 pub use grand::{MF_N, STEP_S, STEPS, at_rest, described, grand, group, instrument, note, press};
 
 pub use keys::{Ticks, keyboard};
-pub use load::{Load, WIDEST};
+pub use load::{Load, MAX_LANES};
 pub use many::{LoadTimes, load_times};
 pub use sampling::Times;
 pub(crate) use sampling::{Timed, in_turn};
@@ -35,7 +35,7 @@ pub struct Effort {
     pub rounds: usize,
     /// Steps of a note in one round.
     pub steps: u64,
-    /// Groups of [`WIDEST`] grands for every core.
+    /// Groups of [`MAX_LANES`] grands for every core.
     pub groups_per_core: usize,
     /// Steps timed one by one; of groups as many as make the same number of single ones.
     pub single_steps: u64,

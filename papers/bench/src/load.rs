@@ -33,7 +33,7 @@ impl Cursor {
 }
 
 /// Grands of a group, whatever lanes they are played in: as many as the widest lanes hold.
-pub const WIDEST: usize = 16;
+pub const MAX_LANES: usize = 16;
 
 /// Strokes a second of the tremolo.
 const TREMOLO_HZ: f64 = 8.0;
@@ -46,7 +46,7 @@ impl Load {
     /// at the same time.
     pub fn parameter_study(groups: usize, steps: u64) -> Self {
         // Settling takes its time: the groups are alike.
-        let count = WIDEST;
+        let count = MAX_LANES;
         let varied = |i: usize| {
             let mut varied = instrument();
             let x = i as f64 / (count - 1) as f64 - 0.5;
@@ -64,7 +64,7 @@ impl Load {
             described(&varied).expect("a varied grand comes to rest")
         };
         let varied: Vec<_> = (0..count).map(varied).collect();
-        let grands: Vec<_> = varied.iter().cycle().take(groups * WIDEST).cloned().collect();
+        let grands: Vec<_> = varied.iter().cycle().take(groups * MAX_LANES).cloned().collect();
         let note = |n| if n < STEPS / 2 { MF_N } else { 0.0 };
         let begins = vec![0; grands.len()];
         Load { grands, settings: Settings::new(STEP_S), forces_n: (0..STEPS).map(note).collect(), begins, steps }
@@ -73,7 +73,7 @@ impl Load {
     /// A fortissimo tremolo: grands that are alike, each in another phase of its strokes, so that the lanes of a group
     /// are never in contact with the same felts.
     pub fn tremolo(groups: usize, steps: u64) -> Self {
-        let count = groups * WIDEST;
+        let count = groups * MAX_LANES;
         let period = (1.0 / (TREMOLO_HZ * STEP_S)).round();
         let force = |n: usize| 0.5 * TREMOLO_N * (1.0 - (TAU * n as f64 / period).cos());
         // The golden section spreads the phases, also those of neighbours.
@@ -87,14 +87,14 @@ impl Load {
         }
     }
 
-    /// Number of its groups of [`WIDEST`].
+    /// Number of its groups of [`MAX_LANES`].
     pub(crate) fn groups(&self) -> usize {
-        self.grands.len() / WIDEST
+        self.grands.len() / MAX_LANES
     }
 
     /// Steps that playing so many of its groups takes, of all their grands.
     pub(crate) fn count(&self, groups: usize) -> f64 {
-        (groups * WIDEST) as f64 * self.steps as f64
+        (groups * MAX_LANES) as f64 * self.steps as f64
     }
 
     /// Plays the grands of so many groups one after the other; returns the sum of the last angles, so that nothing can
@@ -104,7 +104,7 @@ impl Load {
     /// If a number becomes infinite; so do the others.
     pub(crate) fn one_by_one(&self, groups: usize) -> f64 {
         let mut sum = 0.0;
-        for (i, grand) in self.grands.iter().take(groups * WIDEST).enumerate() {
+        for (i, grand) in self.grands.iter().take(groups * MAX_LANES).enumerate() {
             let model: GrandModel = grand.model().expect("of the grand's size");
             let (mut state, mut workspace) = (State::at_rest(grand.first_angles()), WorkspaceOfSix::new());
             let mut cursor = Cursor(self.begins[i]);
@@ -135,11 +135,11 @@ impl Load {
     fn play_group(&self, g: usize, lanes: Lanes) -> f64 {
         let width = lanes.count();
         let mut sum = 0.0;
-        for first in (g * WIDEST..(g + 1) * WIDEST).step_by(width) {
+        for first in (g * MAX_LANES..(g + 1) * MAX_LANES).step_by(width) {
             let grands: Vec<&OwnedDescription> = self.grands[first..first + width].iter().collect();
             let mut group = group(&grands, &self.settings, lanes);
-            let (mut inputs, mut outcomes) = ([SiteInput::Free; WIDEST], [StepOutcome::Converged; WIDEST]);
-            let mut cursors: [Cursor; WIDEST] =
+            let (mut inputs, mut outcomes) = ([SiteInput::Free; MAX_LANES], [StepOutcome::Converged; MAX_LANES]);
+            let mut cursors: [Cursor; MAX_LANES] =
                 core::array::from_fn(|i| Cursor(self.begins.get(first + i).copied().unwrap_or(0)));
             for _ in 0..self.steps {
                 for (input, cursor) in inputs[..width].iter_mut().zip(&mut cursors) {

@@ -7,7 +7,7 @@ use moreau_kernels::{Lanes, Size};
 use serde_json::{Value, json};
 
 use super::grand::MF_N;
-use super::{Effort, Load, STEP_S, Timed, Times, WIDEST, in_turn, instrument};
+use super::{Effort, Load, MAX_LANES, STEP_S, Timed, Times, in_turn, instrument};
 use erard::Progress;
 use erard::player::Input;
 use erard::run::Setup;
@@ -26,7 +26,7 @@ pub(crate) fn measure(effort: &Effort, progress: &mut Progress<'_>) -> Option<Va
     let study = load_times(&load, effort.rounds, &mut |share| progress(0.4 * share))?;
     let tremolo = Load::tremolo(groups, effort.steps);
     let tremolo = load_times(&tremolo, effort.rounds, &mut |share| progress(0.4 + 0.4 * share))?;
-    let stroke = strokes(groups * WIDEST, effort, &mut |share| progress(0.8 + 0.2 * share))?;
+    let stroke = strokes(groups * MAX_LANES, effort, &mut |share| progress(0.8 + 0.2 * share))?;
     let single = Lanes::most_single();
     Some(json!({
         "cores": cores::count(),

@@ -5,7 +5,7 @@ use moreau::{Accuracy, Controller, Loss, SiteInput, State, StepDoubling, StepOut
 use crate::felt;
 use crate::hinge;
 use crate::mechanism::Mechanism;
-use moreau_rigid::problems::{Expected, Row};
+use moreau_rigid::problems::{Expected, ProblemRow};
 
 /// Tolerances.
 const TOLERANCES: [f64; 5] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
@@ -40,16 +40,16 @@ impl<const B: usize, const Z: usize, const N: usize> Controlled<B, Z, N> {
 }
 
 /// Oscillator with dry friction: eight reversals, then it sticks.
-fn dry_oscillator(rows: &mut Vec<Row>) {
+fn dry_oscillator(rows: &mut Vec<ProblemRow>) {
     let rest = 15.0 - 205.0_f64.sqrt();
     for tolerance in TOLERANCES {
         let mut c = Controlled::new(hinge::dry_oscillator_at(1e-3), Accuracy::new(tolerance, 1e-9, 1.0));
         c.until(30.0);
         let name = |s: &str| format!("dry oscillator, tolerance {tolerance:.0e}: {s}");
-        rows.push(Row::new(name("rests at"), "", rest, c.m.value(c.m.state.angle[0]), 8.0 * tolerance, BECAUSE));
+        rows.push(ProblemRow::new(name("rests at"), "", rest, c.m.value(c.m.state.angle[0]), 8.0 * tolerance, BECAUSE));
         let held = c.m.state.angle[0];
         c.until(60.0);
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             name("moves within 30 more"),
             "",
             0.0,
@@ -64,7 +64,7 @@ const BECAUSE: &str =
     "each of eight reversals may err by the tolerance times 1 rad/s; what is smooth is extrapolated beyond it";
 
 /// A mass thrown at the damped felt.
-fn damped_felt(rows: &mut Vec<Row>) {
+fn damped_felt(rows: &mut Vec<ProblemRow>) {
     let mut steps = Vec::new();
     for tolerance in TOLERANCES {
         let (r, k, b, rebound, _) = felt::DAMPED[0];
@@ -75,7 +75,7 @@ fn damped_felt(rows: &mut Vec<Row>) {
         c.until(6e-3);
         let ours = c.m.value(-c.m.state.velocity[0] * felt::ARM);
         let because = "two tolerances of this speed in a step, of which all but the contact's ends are extrapolated beyond; the reference's digits";
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("damped felt, tolerance {tolerance:.0e}: speed of rebound"),
             "m/s",
             rebound,
@@ -88,10 +88,15 @@ fn damped_felt(rows: &mut Vec<Row>) {
     // The error of a step grows with its cube: a tenth of the tolerance needs 10^(1/3) times as many steps.
     let growth = (steps[4] / steps[1]).powf(1.0 / 3.0);
     let because = "order 2 of the estimate: 2.15 times as many steps for a tenth of the tolerance";
-    rows.push(Row::bounded("damped felt: steps for a tenth of the tolerance", Expected::AtMost(2.5), growth, because));
+    rows.push(ProblemRow::bounded(
+        "damped felt: steps for a tenth of the tolerance",
+        Expected::AtMost(2.5),
+        growth,
+        because,
+    ));
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     dry_oscillator(&mut rows);
     damped_felt(&mut rows);

@@ -6,7 +6,7 @@ use moreau::{
 
 use crate::felt::{ARM, MASS, throw_at, throw_from};
 use crate::mechanism::Mechanism;
-use moreau_rigid::problems::{Expected, Order, Row};
+use moreau_rigid::problems::{Expected, Order, ProblemRow};
 
 /// Felts with the stiffness of an action's: exponent and k.
 const FELTS: [(f64, f64); 3] = [(2.0, 5e7), (2.5, 3e9), (3.0, 1e11)];
@@ -24,7 +24,7 @@ fn dry_exact(r: f64, k: f64, eta: f64, slips: &[f64], speed: f64) -> [f64; 3] {
     [(1.0 - lost).sqrt(), compression, lost]
 }
 
-fn throws(loss: impl Fn(f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row> {
+fn throws(loss: impl Fn(f64) -> Loss<f64>, slips: &[f64]) -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     let because = "second order: a few 1e-7 at h = 1 us where it is smooth, and h2/T2 where the felt turns";
     for ((r, k), eta) in FELTS.into_iter().zip([0.3, 0.15, 0.6]) {
@@ -32,8 +32,8 @@ fn throws(loss: impl Fn(f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row> {
             let [rebound, compression, lost] = dry_exact(r, k, eta, slips, speed);
             let t = throw_at(speed, k, r, loss(eta), 1e-6);
             let name = |s: &str| format!("r = {r}, eta = {eta}, {speed} m/s: {s}");
-            rows.push(Row::new(name("rebound over arrival"), "", rebound, t.rebound / speed, 6e-6, because));
-            rows.push(Row::new(
+            rows.push(ProblemRow::new(name("rebound over arrival"), "", rebound, t.rebound / speed, 6e-6, because));
+            rows.push(ProblemRow::new(
                 name("largest compression"),
                 "m",
                 compression,
@@ -42,8 +42,8 @@ fn throws(loss: impl Fn(f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row> {
                 because,
             ));
             let energy = 0.5 * MASS * speed * speed;
-            rows.push(Row::new(name("loss over energy"), "", lost, t.lost / energy, 1e-5, because));
-            rows.push(Row::new(name("energy residual, relative"), "", 0.0, t.residual, 6e-6, because));
+            rows.push(ProblemRow::new(name("loss over energy"), "", lost, t.lost / energy, 1e-5, because));
+            rows.push(ProblemRow::new(name("energy residual, relative"), "", 0.0, t.residual, 6e-6, because));
         }
     }
     // Steps from a thousandth of the contact to all of it: a felt never gains energy.
@@ -57,7 +57,7 @@ fn throws(loss: impl Fn(f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row> {
     }
     let because = "no step of any length gives energy: rounding";
     let quantity = "smallest loss of a step, h from 2 us to 5 ms, over the energy";
-    rows.push(Row::bounded(quantity, Expected::AtLeast(-1e-12), least, because));
+    rows.push(ProblemRow::bounded(quantity, Expected::AtLeast(-1e-12), least, because));
     // The phase of turning and slipping within a step is random: the largest error for eight distances to the felt.
     let exact = dry_exact(2.0, 5e7, 0.3, slips, 1.0)[0];
     let order = Order::halving(3.2e-5, 4, |h| {
@@ -68,7 +68,7 @@ fn throws(loss: impl Fn(f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row> {
         (0..8).map(error).fold(0.0, f64::max)
     });
     let because = "the force is a mean over the step, also where the felt turns or slips";
-    rows.push(Row::new("r = 2: order of the rebound, h from 32 us", "", 2.0, order.observed(), 0.3, because));
+    rows.push(ProblemRow::new("r = 2: order of the rebound, h from 32 us", "", 2.0, order.observed(), 0.3, because));
     rows
 }
 
@@ -112,7 +112,7 @@ fn damped_exact(r: f64, k: f64, b: f64, eta: f64, slips: &[f64], speed: f64) -> 
 }
 
 /// Throws at felts that also lose by b.
-fn damped_throws(loss: impl Fn(f64, f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row> {
+fn damped_throws(loss: impl Fn(f64, f64) -> Loss<f64>, slips: &[f64]) -> Vec<ProblemRow> {
     let because = "second order: a few 1e-7 at h = 1 us; the reference is good to 1e-8";
     let felts = [(2.0, 5e7, 3e7, 0.3), (3.0, 1e11, 4e7, 0.15)];
     let rows = felts.map(|(r, k, b, eta)| {
@@ -120,8 +120,8 @@ fn damped_throws(loss: impl Fn(f64, f64) -> Loss<f64>, slips: &[f64]) -> Vec<Row
         let t = throw_at(1.0, k, r, loss(b, eta), 1e-6);
         let name = |s: &str| format!("r = {r}, eta = {eta}, b = {b:.0e}: {s}");
         [
-            Row::new(name("rebound over arrival"), "", rebound, t.rebound, 6e-6, because),
-            Row::new(name("largest compression"), "m", compression, t.compression, 6e-6 * compression, because),
+            ProblemRow::new(name("rebound over arrival"), "", rebound, t.rebound, 6e-6, because),
+            ProblemRow::new(name("largest compression"), "m", compression, t.compression, 6e-6 * compression, because),
         ]
     });
     rows.into_iter().flatten().collect()
@@ -150,13 +150,13 @@ fn standing(loss: Loss<f64>, push: f64) -> (Mechanism<1, 1, 2>, f64) {
 }
 
 /// Problem 23.
-pub(crate) fn set_valued() -> Vec<Row> {
+pub(crate) fn set_valued() -> Vec<ProblemRow> {
     let mut rows = throws(|eta| Loss::SetValued(SetValued { eta }), &[0.0]);
     let (mut m, _) = standing(Loss::SetValued(SetValued { eta: 0.2 }), 0.0);
     m.run(0.05);
     let moved = m.value(m.state.angle[0] * ARM);
     let because = "locked: the felt holds any load within eta of its own";
-    rows.push(Row::new("held felt, way in 50 ms", "m", 0.0, moved, 0.0, because));
+    rows.push(ProblemRow::new("held felt, way in 50 ms", "m", 0.0, moved, 0.0, because));
     let (mut m, depth) = standing(Loss::SetValued(SetValued { eta: 0.2 }), -1e-4);
     m.run(0.05);
     // The push's energy over the loss: (1 + eta) k g^2 against the load, until it stops; to first order in the small
@@ -164,9 +164,16 @@ pub(crate) fn set_valued() -> Vec<Row> {
     let way = MASS * 1e-8 / (2.0 * 0.2 * 1.0);
     let because = "the way is so short that the felt is as stiff as at its start: (way / depth)";
     let moved = m.value(-m.state.angle[0] * ARM);
-    rows.push(Row::new("held felt, way after a push", "m", way, moved, 3.0 * way * way / depth + 2e-12, because));
+    rows.push(ProblemRow::new(
+        "held felt, way after a push",
+        "m",
+        way,
+        moved,
+        3.0 * way * way / depth + 2e-12,
+        because,
+    ));
     let speed = m.value(m.state.velocity[0] * ARM);
-    rows.push(Row::new(
+    rows.push(ProblemRow::new(
         "its speed then",
         "m/s",
         0.0,
@@ -178,7 +185,7 @@ pub(crate) fn set_valued() -> Vec<Row> {
 }
 
 /// Problem 24.
-pub(crate) fn elastoplastic() -> Vec<Row> {
+pub(crate) fn elastoplastic() -> Vec<ProblemRow> {
     let (eta, slip) = (0.3, 0.2);
     let mut rows = throws(|eta| Loss::Elastoplastic(Elastoplastic { damping: 0.0, eta, slip }), &[slip]);
     rows.extend(damped_throws(|damping, eta| Loss::Elastoplastic(Elastoplastic { damping, eta, slip }), &[slip]));
@@ -203,10 +210,17 @@ pub(crate) fn elastoplastic() -> Vec<Row> {
     }
     let ours = m.value((last - first.unwrap_or(f64::NAN)) / f64::from(crossings - 1));
     let because = "swings of a thousandth of the depth: the felt's curvature counts with their square";
-    rows.push(Row::new("held felt, period of a small vibration", "s", period, ours, 1e-5 * period, because));
+    rows.push(ProblemRow::new("held felt, period of a small vibration", "s", period, ours, 1e-5 * period, because));
     let amplitude = 1e-5 * period / (2.0 * std::f64::consts::PI);
     let because = "no loss within the slider's bound; the felt is stiffer inward than outward";
-    rows.push(Row::new("its amplitude after 0.2 s", "m", amplitude, m.value(largest), 3e-3 * amplitude, because));
+    rows.push(ProblemRow::new(
+        "its amplitude after 0.2 s",
+        "m",
+        amplitude,
+        m.value(largest),
+        3e-3 * amplitude,
+        because,
+    ));
     rows
 }
 
@@ -218,7 +232,7 @@ pub fn thrown_back(speed: f64, k: f64, r: f64, loss: Loss<f64>, h: f64) -> f64 {
 }
 
 /// Problem 27.
-pub(crate) fn sliders_in_parallel() -> Vec<Row> {
+pub(crate) fn sliders_in_parallel() -> Vec<ProblemRow> {
     let slips = [0.1, 0.2, 0.3, 0.4];
     let mut rows = throws(|eta| Loss::Iwan(Iwan { damping: 0.0, eta, slip: 0.4 }), &slips);
     rows.extend(damped_throws(|damping, eta| Loss::Iwan(Iwan { damping, eta, slip: 0.4 }), &slips));

@@ -8,7 +8,7 @@ use moreau::{
     State, StepOutcome, Workspace, Zone, step,
 };
 
-use moreau_rigid::problems::{Expected, Row};
+use moreau_rigid::problems::{Expected, ProblemRow};
 
 const INERTIA: f64 = 1.5e-4;
 const KINETIC: f64 = 2e-3;
@@ -105,7 +105,7 @@ fn bristle_creeps(duration: f64) -> f64 {
 }
 
 /// Problem 26.
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     for (at, place) in [(At::Pivot, "pivot"), (At::Contact, "contact")] {
         let name = |s: &str| format!("{place}: {s}");
@@ -114,7 +114,7 @@ pub(crate) fn rows() -> Vec<Row> {
             let [_, moved] = loaded(at, 1.2 * exact + 0.01, |t| rate * t);
             let because = "the load is seen at the middle of a step, the friction as it was at its start";
             let quantity = name(&format!("load grows by {rate} N m/s: lets go"));
-            rows.push(Row::new(quantity, "s", exact, moved, 2.0 * H, because));
+            rows.push(ProblemRow::new(quantity, "s", exact, moved, 2.0 * H, because));
         }
         // A load of 1.2 c after a rest of t: it holds from t = -tau ln(1 - 0.2/0.5) on.
         let exact = -TAU * (1.0 - 0.2 / (RATIO - 1.0)).ln();
@@ -125,7 +125,7 @@ pub(crate) fn rows() -> Vec<Row> {
             if angle == 0.0 { holds = rest } else { slips = rest }
         }
         let because = "to a step";
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             name("rest after which 1.2 of the kinetic friction is held"),
             "s",
             exact,
@@ -134,16 +134,30 @@ pub(crate) fn rows() -> Vec<Row> {
             because,
         ));
         let [angle, _] = loaded(at, 10.0, |t| if t < 1.0 { 0.0 } else { 1.45 * KINETIC });
-        rows.push(Row::new(name("angle after 9 s under 1.45 of it"), "rad", 0.0, angle, 0.0, "exactly zero: no creep"));
+        rows.push(ProblemRow::new(
+            name("angle after 9 s under 1.45 of it"),
+            "rad",
+            0.0,
+            angle,
+            0.0,
+            "exactly zero: no creep",
+        ));
         let [angle, _] = loaded(at, 1.002, |t| if t < 1.0 { 0.0 } else { 1.6 * KINETIC });
         let exact = 0.5 * 0.6 * KINETIC / INERTIA * 0.002 * 0.002;
         // The floor's force has a lever as soon as the body turns: 2 ms are short compared with sqrt(J/1 N m) = 12 ms.
         let because = "what slips has the kinetic friction from the first step on";
-        rows.push(Row::new(name("angle after 2 ms under 1.6 of it"), "rad", exact, angle, 1e-2 * exact, because));
+        rows.push(ProblemRow::new(
+            name("angle after 2 ms under 1.6 of it"),
+            "rad",
+            exact,
+            angle,
+            1e-2 * exact,
+            because,
+        ));
     }
     let because = "for comparison: a law that is not set-valued creeps where this one stands still";
     let creeps = bristle_creeps(10.0).abs();
-    rows.push(Row::bounded(
+    rows.push(ProblemRow::bounded(
         "Gonthier's bristle under a trembling load: creeps in 9 s, rad",
         Expected::AtLeast(1e-5),
         creeps,
@@ -152,6 +166,6 @@ pub(crate) fn rows() -> Vec<Row> {
     let quantity = "this law under the same load: moves in 9 s, rad";
     let omega = 2.0 * std::f64::consts::PI * 50.0;
     let [angle, _] = loaded(At::Pivot, 10.0, |t| KINETIC * (0.5 + 0.25 * (omega * t).sin()));
-    rows.push(Row::bounded(quantity, Expected::AtMost(0.0), angle.abs(), "it sticks, to the bit"));
+    rows.push(ProblemRow::bounded(quantity, Expected::AtMost(0.0), angle.abs(), "it sticks, to the bit"));
     rows
 }

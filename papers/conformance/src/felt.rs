@@ -3,7 +3,7 @@
 use moreau::{Body, ContactCurve, Description, Exponent, Felt, GROUND, Ledger, Loss, Pose, Settings, Zone};
 
 use crate::mechanism::Mechanism;
-use moreau_rigid::problems::{Order, Row};
+use moreau_rigid::problems::{Order, ProblemRow};
 
 /// A mass at the end of an arm so long that its path is straight: x = L sin(angle), L = 100 m, so that over the felt's
 /// 1 mm of compression the arm turns by 1e-5 rad and the path deviates from a line by a share of 1e-10.
@@ -101,17 +101,24 @@ pub(crate) fn elastic_exact(k: f64, r: f64) -> [f64; 2] {
 }
 
 /// Problem 5.
-pub(crate) fn elastic() -> Vec<Row> {
+pub(crate) fn elastic() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     let because = "second order: a few 1e-7 at h = 1 us, 1/1700 of the contact";
     for (r, k) in [(2.0, 5e7), (2.5, 3e9), (3.0, 1e11)] {
         let [compression, contact] = elastic_exact(k, r);
         let t = throw(k, r, Loss::quadratic(0.0), 1e-6);
         let name = |s: &str| format!("r = {r}: {s}");
-        rows.push(Row::new(name("largest compression"), "m", compression, t.compression, 2e-6 * compression, because));
-        rows.push(Row::new(name("contact time"), "s", contact, t.contact_time, 2e-6 * contact, because));
-        rows.push(Row::new(name("speed of rebound"), "m/s", 1.0, t.rebound, 2e-6, because));
-        rows.push(Row::new(name("energy residual, relative"), "", 0.0, t.residual, 2e-6, because));
+        rows.push(ProblemRow::new(
+            name("largest compression"),
+            "m",
+            compression,
+            t.compression,
+            2e-6 * compression,
+            because,
+        ));
+        rows.push(ProblemRow::new(name("contact time"), "s", contact, t.contact_time, 2e-6 * contact, because));
+        rows.push(ProblemRow::new(name("speed of rebound"), "m/s", 1.0, t.rebound, 2e-6, because));
+        rows.push(ProblemRow::new(name("energy residual, relative"), "", 0.0, t.residual, 2e-6, because));
     }
     rows
 }
@@ -127,19 +134,33 @@ pub(crate) const DAMPED: [(f64, f64, f64, f64, f64); 3] = [
 ];
 
 /// Problem 6.
-pub(crate) fn damped() -> Vec<Row> {
+pub(crate) fn damped() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     let because = "second order: a few 1e-7 at h = 1 us, and the reference's digits";
     for (r, k, b, rebound, compression) in DAMPED {
         let t = throw(k, r, Loss::quadratic(b), 1e-6);
         let name = |s: &str| format!("r = {r}, damped: {s}");
-        rows.push(Row::new(name("speed of rebound"), "m/s", rebound, t.rebound, 3e-6, because));
-        rows.push(Row::new(name("largest compression"), "m", compression, t.compression, 3e-6 * compression, because));
-        rows.push(Row::new(name("energy residual, relative"), "", 0.0, t.residual, 3e-6, because));
+        rows.push(ProblemRow::new(name("speed of rebound"), "m/s", rebound, t.rebound, 3e-6, because));
+        rows.push(ProblemRow::new(
+            name("largest compression"),
+            "m",
+            compression,
+            t.compression,
+            3e-6 * compression,
+            because,
+        ));
+        rows.push(ProblemRow::new(name("energy residual, relative"), "", 0.0, t.residual, 3e-6, because));
     }
     let order = Order::halving(3.2e-5, 4, |h| (throw(5e7, 2.0, Loss::quadratic(3e7), h).rebound - DAMPED[0].3).abs());
     let because = "across both ends of the contact the law is smooth enough: its force starts as g2";
-    rows.push(Row::new("r = 2, damped: order of the rebound, h from 32 us", "", 2.0, order.observed(), 0.3, because));
+    rows.push(ProblemRow::new(
+        "r = 2, damped: order of the rebound, h from 32 us",
+        "",
+        2.0,
+        order.observed(),
+        0.3,
+        because,
+    ));
     rows
 }
 
@@ -165,20 +186,27 @@ pub(crate) fn hunt_crossley_exact(k: f64, r: f64, a: f64) -> [f64; 2] {
 }
 
 /// Problem 22.
-pub(crate) fn hunt_crossley() -> Vec<Row> {
+pub(crate) fn hunt_crossley() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     let because = "second order: a few 1e-7 at h = 1 us, 1/1700 of the contact";
     for (r, k, a) in [(2.0, 5e7, 0.6), (2.5, 3e9, 0.6), (3.0, 1e11, 0.3), (3.0, 1e11, 2.0)] {
         let [rebound, compression] = hunt_crossley_exact(k, r, a);
         let t = throw(k, r, Loss::hunt_crossley(a), 1e-6);
         let name = |s: &str| format!("r = {r}, a = {a}: {s}");
-        rows.push(Row::new(name("speed of rebound"), "m/s", rebound, t.rebound, 3e-6, because));
-        rows.push(Row::new(name("largest compression"), "m", compression, t.compression, 3e-6 * compression, because));
-        rows.push(Row::new(name("energy residual, relative"), "", 0.0, t.residual, 3e-6, because));
+        rows.push(ProblemRow::new(name("speed of rebound"), "m/s", rebound, t.rebound, 3e-6, because));
+        rows.push(ProblemRow::new(
+            name("largest compression"),
+            "m",
+            compression,
+            t.compression,
+            3e-6 * compression,
+            because,
+        ));
+        rows.push(ProblemRow::new(name("energy residual, relative"), "", 0.0, t.residual, 3e-6, because));
     }
     let exact = hunt_crossley_exact(1e11, 3.0, 0.6)[0];
     let order = Order::halving(3.2e-5, 4, |h| (throw(1e11, 3.0, Loss::hunt_crossley(0.6), h).rebound - exact).abs());
     let because = "across both ends of the contact the law is smooth enough: its force starts as g3";
-    rows.push(Row::new("r = 3: order of the rebound, h from 32 us", "", 2.0, order.observed(), 0.3, because));
+    rows.push(ProblemRow::new("r = 3: order of the rebound, h from 32 us", "", 2.0, order.observed(), 0.3, because));
     rows
 }

@@ -12,7 +12,7 @@ use moreau::{
 };
 
 use crate::felt::{ARM, throw_at};
-use moreau_rigid::problems::{Expected, Order, Row};
+use moreau_rigid::problems::{Expected, Order, ProblemRow};
 
 const K: f64 = 4e4;
 /// eps and tau, s.
@@ -76,7 +76,7 @@ fn triangular(v: f64, t: f64) -> f64 {
 }
 
 /// Problem 25.
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     let because = "second order in a thousandth of the period";
     // Pressed all the time: with such a large b it never pulls.
@@ -86,8 +86,8 @@ pub(crate) fn rows() -> Vec<Row> {
         let exact = sinusoidal(r, a, b, w);
         let [work, residual] = driven(r, period, 12, 1e-3 * period, |t| a * (1.0 - (w * t).cos()) + b);
         let name = |s: &str| format!("r = {r}, sinusoidal, {} ms: {s}", 1e3 * period);
-        rows.push(Row::new(name("area of the loop"), "J", exact, work, 2e-5 * exact, because));
-        rows.push(Row::new(name("energy residual over it"), "", 0.0, residual, 2e-5, because));
+        rows.push(ProblemRow::new(name("area of the loop"), "J", exact, work, 2e-5 * exact, because));
+        rows.push(ProblemRow::new(name("energy residual over it"), "", 0.0, residual, 2e-5, because));
     }
     for half in [1e-3, 5e-3] {
         let v = 2.0 * a / half;
@@ -99,19 +99,19 @@ pub(crate) fn rows() -> Vec<Row> {
         let [work, _] = driven(1.0, 2.0 * half, 24, 1e-3 * half, path);
         let quantity = format!("r = 1, triangular, {} ms up: area of the loop", 1e3 * half);
         let because = "exact where u runs linearly: what is left are turns within a rounded step";
-        rows.push(Row::new(quantity, "J", exact, work, 2e-5 * exact, because));
+        rows.push(ProblemRow::new(quantity, "J", exact, work, 2e-5 * exact, because));
     }
     let loss = Loss::Hereditary(Hereditary { relaxed: 0.9, time: 1e-4 });
     let throw = |h: f64| throw_at(1.0, 5e7, 2.0, loss, h);
     let fine = throw(2.5e-7).rebound;
     let order = Order::halving(3.2e-5, 4, |h| (throw(h).rebound - fine).abs());
     let because = "the memory is exact for a compression that runs as g^r; it begins and ends smoothly";
-    rows.push(Row::new("thrown at, r = 2: order of the rebound", "", 2.0, order.observed(), 0.4, because));
+    rows.push(ProblemRow::new("thrown at, r = 2: order of the rebound", "", 2.0, order.observed(), 0.4, because));
     let because = "what the felt holds it loses while it forgets";
-    rows.push(Row::new("thrown at, h = 1 us: energy residual", "", 0.0, throw(1e-6).residual, 1e-5, because));
+    rows.push(ProblemRow::new("thrown at, h = 1 us: energy residual", "", 0.0, throw(1e-6).residual, 1e-5, because));
     let least = throw(5e-5).smallest_loss;
     let because = "of no exact sign in a step, as the mean of g^r is not that of a straight line";
-    rows.push(Row::bounded(
+    rows.push(ProblemRow::bounded(
         "thrown at, h = 50 us: smallest loss of a step, J",
         Expected::AtLeast(-1e-7),
         least,

@@ -3,7 +3,7 @@
 use moreau::{Body, Description, Settings, Spring};
 
 use crate::mechanism::{Mechanism, hinge};
-use moreau_rigid::problems::Row;
+use moreau_rigid::problems::ProblemRow;
 
 fn loaded_pivot(load: f64) -> Mechanism<1, 0, 1> {
     let body = Body { dry: 2e-3, ..hinge(1.5e-4) };
@@ -13,20 +13,20 @@ fn loaded_pivot(load: f64) -> Mechanism<1, 0, 1> {
 }
 
 /// Problem 1: below the limit the pivot does not move at all; above it the scheme is exact for a constant torque.
-pub(crate) fn pivot() -> Vec<Row> {
+pub(crate) fn pivot() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     for load in [1e-3, 1.8e-3, -1.8e-3] {
         let mut m = loaded_pivot(load);
         m.run(1.0);
         let name = |s: &str| format!("load {load:e} N m of 2e-3: {s}");
-        rows.push(Row::new(name("angle after 1 s"), "rad", 0.0, m.value(m.state.angle[0]), 0.0, "exactly zero"));
+        rows.push(ProblemRow::new(name("angle after 1 s"), "rad", 0.0, m.value(m.state.angle[0]), 0.0, "exactly zero"));
         let friction = m.value(m.state.pivot_friction[0]);
-        rows.push(Row::new(name("friction at rest"), "N m", -load, friction, 1e-15, "exact: rounding"));
+        rows.push(ProblemRow::new(name("friction at rest"), "N m", -load, friction, 1e-15, "exact: rounding"));
     }
     let mut m = loaded_pivot(3e-3);
     m.run(1.0);
     let angle = m.value(m.state.angle[0]);
-    rows.push(Row::new(
+    rows.push(ProblemRow::new(
         "load 3e-3 N m: angle after 1 s",
         "rad",
         10.0 / 3.0,
@@ -59,7 +59,7 @@ fn turning_points(m: &mut Mechanism<1, 0, 1>, until: f64) -> (Vec<f64>, f64) {
 }
 
 /// Problem 2: each half cycle is half a circle in the phase plane, about the springs' rest shifted by the friction.
-pub(crate) fn dry_oscillator() -> Vec<Row> {
+pub(crate) fn dry_oscillator() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     let because = "friction has one sign in a step: each of eight reversals leaves an error of order h";
     for h in [1e-3, 1e-4] {
@@ -71,24 +71,24 @@ pub(crate) fn dry_oscillator() -> Vec<Row> {
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
             let expected = sign * (205.0_f64.sqrt() - 1.0 - 2.0 * f64::from(i));
             let ours = m.value(points.get(i as usize).copied().unwrap_or(f64::NAN));
-            rows.push(Row::new(name(&format!("turning point {}", i + 1)), "", expected, ours, 3.0 * h, because));
+            rows.push(ProblemRow::new(name(&format!("turning point {}", i + 1)), "", expected, ours, 3.0 * h, because));
         }
         let rest = 15.0 - 205.0_f64.sqrt();
-        rows.push(Row::new(name("rests at"), "", rest, m.value(m.state.angle[0]), 3.0 * h, because));
+        rows.push(ProblemRow::new(name("rests at"), "", rest, m.value(m.state.angle[0]), 3.0 * h, because));
         let time = (6.0_f64 / 13.0).atan() + 7.0 * std::f64::consts::PI;
-        rows.push(Row::new(name("from"), "", time, m.value(stop), 3.0 * h, because));
+        rows.push(ProblemRow::new(name("from"), "", time, m.value(stop), 3.0 * h, because));
     }
     let mut m = dry_oscillator_at(1e-3);
     m.run(23.0);
     let held = m.state.angle[0];
     m.run(100.0);
     let moved = m.value(m.state.angle[0] - held);
-    rows.push(Row::new("moves within 100 more", "", 0.0, moved, 0.0, "exactly zero"));
+    rows.push(ProblemRow::new("moves within 100 more", "", 0.0, moved, 0.0, "exactly zero"));
     rows
 }
 
 /// Problem 3, from m g l (cos a1 - cos a0) = c_d (a0 + a1), solved by bisection.
-pub(crate) fn dry_pendulum() -> Vec<Row> {
+pub(crate) fn dry_pendulum() -> Vec<ProblemRow> {
     let (mass, length, dry, g) = (0.010, 0.112, 8e-4, 9.81);
     let body = Body { mass, center_of_mass: [0.0, -length], inertia: mass * length * length, dry, ..Body::inert() };
     let model = Description { bodies: &[body], gravity: g, ..Description::default() }.compile::<1, 0>().expect("sound");
@@ -100,10 +100,10 @@ pub(crate) fn dry_pendulum() -> Vec<Row> {
     for i in 0..3 {
         from = next_turning_point(from, mass * g * length, dry);
         let ours = m.value(points.get(i).map_or(f64::NAN, |x| x.abs()));
-        rows.push(Row::new(format!("turning point {}, h = 1e-5", i + 1), "rad", from, ours, 3e-6, because));
+        rows.push(ProblemRow::new(format!("turning point {}, h = 1e-5", i + 1), "rad", from, ours, 3e-6, because));
     }
-    rows.push(Row::new("turning points in all", "", 3.0, m.value(points.len() as f64), 0.0, "then it sticks"));
-    rows.push(Row::new("speed after 5 s", "rad/s", 0.0, m.value(m.state.velocity[0]), 0.0, "exactly zero"));
+    rows.push(ProblemRow::new("turning points in all", "", 3.0, m.value(points.len() as f64), 0.0, "then it sticks"));
+    rows.push(ProblemRow::new("speed after 5 s", "rad/s", 0.0, m.value(m.state.velocity[0]), 0.0, "exactly zero"));
     rows
 }
 

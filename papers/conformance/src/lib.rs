@@ -18,7 +18,7 @@ mod pendulum;
 mod relay;
 
 pub use dry_felt::thrown_back;
-pub use moreau_rigid::problems::{Expected, Order, Problem, Row};
+pub use moreau_rigid::problems::{Expected, Order, Problem, ProblemRow};
 
 /// All problems, those of the engine and those of rigid bodies, in order.
 #[must_use]

@@ -4,7 +4,7 @@ use moreau::{Body, Description, GROUND, Settings};
 use moreau_rigid::{self as rigid, Joint, JointKind};
 
 use crate::mechanism::Mechanism;
-use moreau_rigid::problems::{Order, Row};
+use moreau_rigid::problems::{Order, ProblemRow};
 use moreau_rigid::problems::{Run, at};
 
 /// Masses, kg, and lengths, m, of two uniform bars.
@@ -114,7 +114,7 @@ fn reference() -> Vec<[f64; 2]> {
 type Engine = fn(f64, f64) -> Swung;
 
 /// Order 2 at theta = 1/2 and 1 at theta = 1, of the angles and of the energy.
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let exact = reference();
     let mut rows = Vec::new();
     for (name, engine) in [("tree", tree as Engine), ("rigid bodies", rigid as Engine)] {
@@ -132,7 +132,7 @@ pub(crate) fn rows() -> Vec<Row> {
             ] {
                 let order = Order::of(4e-4, errors);
                 let because = "slope over three halvings from 0.4 ms";
-                rows.push(Row::new(label(what), "", expected, order.observed(), within, because));
+                rows.push(ProblemRow::new(label(what), "", expected, order.observed(), within, because));
             }
         }
     }

@@ -9,7 +9,7 @@ use moreau::osnsp::delassus::OneStepProblem;
 use moreau::osnsp::projected_gauss_seidel;
 use moreau::osnsp::relay::solve_dense;
 
-use moreau_rigid::problems::{Expected, Row};
+use moreau_rigid::problems::{Expected, ProblemRow};
 
 /// Most laws of a problem.
 const N: usize = 16;
@@ -155,14 +155,14 @@ fn equality(random: &mut Random) -> f64 {
     worst
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let mut random = Random(Rng::with_seed(0x9E37_79B9_7F4A_7C15));
     let mut rows = Vec::new();
     let mut most = 0.0_f64;
     for condition in [1.0, 1e3, 1e7] {
         let [worst, sets] = full_rank(condition, &mut random);
         most = if sets.is_nan() { sets } else { most.max(sets) };
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("3000 problems of 1 to 15 laws, condition {condition:.0e}: largest error of z"),
             "",
             0.0,
@@ -171,9 +171,9 @@ pub(crate) fn rows() -> Vec<Row> {
             "rounding of the data times the condition number",
         ));
     }
-    rows.push(Row::bounded("the most active sets", Expected::AtMost(80.0), most, "work must not grow"));
+    rows.push(ProblemRow::bounded("the most active sets", Expected::AtMost(80.0), most, "work must not grow"));
     let worst = deficient(&mut random);
-    rows.push(Row::new(
+    rows.push(ProblemRow::new(
         "5250 rank-deficient problems: largest error of u",
         "",
         0.0,
@@ -182,7 +182,7 @@ pub(crate) fn rows() -> Vec<Row> {
         "z is not unique, u is",
     ));
     let [worst, sweeps] = gauss_seidel(&mut random);
-    rows.push(Row::new(
+    rows.push(ProblemRow::new(
         "Gauss-Seidel, mild problems: largest error of z",
         "",
         0.0,
@@ -190,14 +190,14 @@ pub(crate) fn rows() -> Vec<Row> {
         1e-9,
         "its stopping tolerance",
     ));
-    rows.push(Row::bounded(
+    rows.push(ProblemRow::bounded(
         "Gauss-Seidel, condition 1e7: the most sweeps",
         Expected::AtLeast(10_000.0),
         sweeps,
         "why it is not the default",
     ));
     let worst = equality(&mut random);
-    rows.push(Row::new(
+    rows.push(ProblemRow::new(
         "an equality among six laws, both solvers: its velocity",
         "",
         0.0,

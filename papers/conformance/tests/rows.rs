@@ -3,16 +3,16 @@
 use std::collections::BTreeMap;
 use std::sync::{LazyLock, OnceLock};
 
-use moreau_conformance::{Expected, Problem, Row, problems};
+use moreau_conformance::{Expected, Problem, ProblemRow, problems};
 
 /// A problem, and its rows once a test has asked for them.
-type Solved = (Problem, OnceLock<Vec<Row>>);
+type Solved = (Problem, OnceLock<Vec<ProblemRow>>);
 
 /// Every problem by its number.
 static SOLVED: LazyLock<BTreeMap<u32, Solved>> =
     LazyLock::new(|| problems().into_iter().map(|problem| (problem.number, (problem, OnceLock::new()))).collect());
 
-fn solved(number: u32) -> (&'static Problem, &'static [Row]) {
+fn solved(number: u32) -> (&'static Problem, &'static [ProblemRow]) {
     let (problem, rows) = SOLVED.get(&number).expect("a problem of this number");
     (problem, rows.get_or_init(problem.rows))
 }

@@ -4,7 +4,7 @@ use erard::run::Events;
 use erard_figures::Picture;
 use erard_figures::figure::{Chart, ChartCurve, ChartPanel, Dash, subtitled_chart_picture};
 
-use erard_workshop::study::{Axis, Row};
+use erard_workshop::study::{Axis, StudyRow};
 
 /// More curves than this cannot be distinguished.
 const MAX_CURVES: usize = 6;
@@ -19,7 +19,7 @@ const QUANTITIES: [Quantity; 3] = [
 ];
 
 /// How many rows are missing in the figure.
-fn failed(rows: &[Row]) -> String {
+fn failed(rows: &[StudyRow]) -> String {
     match rows.iter().filter(|row| row.outcome.is_err()).count() {
         0 => String::new(),
         failed => format!("{failed} of {} strokes failed; study.csv holds the reasons", rows.len()),
@@ -27,13 +27,13 @@ fn failed(rows: &[Row]) -> String {
 }
 
 /// The figure, which says how many strokes failed; `None` where [`chart`] makes none.
-pub(crate) fn figure(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Picture> {
+pub(crate) fn figure(title: &str, axes: &[Axis], rows: &[StudyRow]) -> Option<Picture> {
     chart(title, axes, rows).map(|chart| subtitled_chart_picture(&chart, &failed(rows), "study"))
 }
 
 /// The chart; `None` where the first axis has one value only or the others make too many curves. Rows stand in the
 /// order of the axes, the last one fastest.
-fn chart(title: &str, axes: &[Axis], rows: &[Row]) -> Option<Chart> {
+fn chart(title: &str, axes: &[Axis], rows: &[StudyRow]) -> Option<Chart> {
     let (first, others) = axes.split_first()?;
     let curves: usize = others.iter().map(|axis| axis.shown.len()).product();
     if first.shown.len() < 2 || curves > MAX_CURVES {

@@ -2,12 +2,12 @@
 
 use erard::run::Events;
 use erard_workshop::measure::norms::Line;
-use erard_workshop::study::{Axis, Column, Row, measured_title};
+use erard_workshop::study::{Axis, Column, StudyRow, measured_title};
 
 use crate::table::{Table, decimal, three};
 
 /// Columns as they are written, with the reasons why rows failed.
-pub(crate) fn table_of(columns: &[Column], rows: &[Row]) -> Table<'static> {
+pub(crate) fn table_of(columns: &[Column], rows: &[StudyRow]) -> Table<'static> {
     let one = |table: Table<'static>, (name, values): &Column| table.optional(name.clone(), values.iter().copied());
     columns.iter().fold(Table::default(), one).words("error", rows.iter().map(|row| row.error().unwrap_or_default()))
 }
@@ -24,7 +24,7 @@ const SHOWN: [Shown; 5] = [
 ];
 
 /// The table for people, at most so many rows of it, the first and the last among them.
-pub(crate) fn shown(axes: &[Axis], measures: &[&Line], rows: &[Row], most: usize) -> Table<'static> {
+pub(crate) fn shown(axes: &[Axis], measures: &[&Line], rows: &[StudyRow], most: usize) -> Table<'static> {
     let heads = axes.iter().map(Axis::column);
     let heads = heads.chain(SHOWN.iter().map(|(name, _)| (*name).to_owned())).chain(["impacts".to_owned()]);
     let heads = heads.chain(measures.iter().map(|line| measured_title(axes, line))).chain([String::new()]);

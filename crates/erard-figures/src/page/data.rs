@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 /// The runs, thinned to common frames, with what the script needs to place bodies and arrows.
 pub(crate) fn data(shown: &[Shown<'_>], drawings: &[Drawing], figure: &Figure<'_>, views: Views) -> Value {
     let instants: Vec<Vec<(String, f64)>> = shown.iter().map(|one| figure::instants(&one.run.events)).collect();
-    let most = frames::MOST / shown.len();
+    let most = frames::MAX_FRAMES / shown.len();
     let mut time_s: Vec<f64> = shown
         .iter()
         .zip(&instants)

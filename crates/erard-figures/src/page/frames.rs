@@ -3,7 +3,7 @@
 use erard::run::Run;
 
 /// Most frames that a page carries: a megabyte or two of data for the grand.
-pub(crate) const MOST: usize = 6000;
+pub(crate) const MAX_FRAMES: usize = 6000;
 
 /// Rows of the run, ascending, at most about `most` of them.
 ///

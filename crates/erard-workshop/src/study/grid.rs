@@ -48,7 +48,7 @@ impl std::fmt::Debug for Grid<'_> {
 
 /// One stroke of a study.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct StudyRow {
     /// The varied values as shown, one for each axis.
     pub values: Vec<f64>,
     /// The outcome, or why there is none.
@@ -57,7 +57,7 @@ pub struct Row {
     pub measured: MeasuredLines,
 }
 
-impl Row {
+impl StudyRow {
     /// Reason why the stroke failed, or why nothing was measured.
     #[must_use]
     pub fn error(&self) -> Option<String> {
@@ -115,7 +115,7 @@ impl Grid<'_> {
     ///
     /// # Errors
     /// A setup out of range, or [`SimulationError::Interrupted`].
-    pub fn play(&self, progress: &mut Progress<'_>) -> Result<Vec<Row>, SimulationError> {
+    pub fn play(&self, progress: &mut Progress<'_>) -> Result<Vec<StudyRow>, SimulationError> {
         self.play_rows(0..self.count(), progress)
     }
 
@@ -127,7 +127,7 @@ impl Grid<'_> {
         &self,
         combinations: std::ops::Range<usize>,
         progress: &mut Progress<'_>,
-    ) -> Result<Vec<Row>, SimulationError> {
+    ) -> Result<Vec<StudyRow>, SimulationError> {
         let count = combinations.len();
         let mut rows = Vec::with_capacity(count);
         // Measuring one variant takes as long as playing many.
@@ -140,10 +140,12 @@ impl Grid<'_> {
             let mut tell = |share: f64| progress((from as f64 + share * size) / count as f64);
             let played = self.play_portion(&portion, &mut |share| tell(playing * share))?;
             let measured = self.measure_portion(&played, &mut |share| tell(playing + (1.0 - playing) * share))?;
-            rows.extend(portion.iter().zip(played.outcomes).zip(measured).map(|((indices, outcome), measured)| Row {
-                values: self.axes.iter().zip(indices).map(|(axis, &i)| axis.shown[i]).collect(),
-                outcome,
-                measured,
+            rows.extend(portion.iter().zip(played.outcomes).zip(measured).map(|((indices, outcome), measured)| {
+                StudyRow {
+                    values: self.axes.iter().zip(indices).map(|(axis, &i)| axis.shown[i]).collect(),
+                    outcome,
+                    measured,
+                }
             }));
         }
         Ok(rows)
@@ -278,8 +280,8 @@ impl Grid<'_> {
 
     /// Columns of the rows: what was varied, what came of each stroke, what was measured, and how well it was computed.
     #[must_use]
-    pub fn columns(&self, rows: &[Row]) -> Vec<Column> {
-        let played = |row: &'_ Row, get: fn(&Played) -> Option<f64>| row.outcome.as_ref().ok().and_then(get);
+    pub fn columns(&self, rows: &[StudyRow]) -> Vec<Column> {
+        let played = |row: &'_ StudyRow, get: fn(&Played) -> Option<f64>| row.outcome.as_ref().ok().and_then(get);
         let flag = |is_it: bool| Some(f64::from(u8::from(is_it)));
         let varied = self.axes.iter().enumerate().map(|(i, axis)| {
             let values = rows.iter().map(|row| row.values.get(i).copied()).collect();
@@ -337,7 +339,7 @@ impl Grid<'_> {
         let own = Grid { instrument: &instrument, source: &source, workers: Workers::one(), ..*self };
         match own.play(progress) {
             Ok(rows) => {
-                let error = rows.iter().find_map(Row::error);
+                let error = rows.iter().find_map(StudyRow::error);
                 Ok(SampleValues { values: own.result_values(&own.columns(&rows)), error })
             }
             Err(SimulationError::Interrupted) => Err(SampleError::Interrupted),

@@ -16,7 +16,7 @@ mod sampling;
 mod topology;
 
 pub use axis::{Axis, GRADING, MAX_STROKES, Source, Target};
-pub use grid::{Column, Grid, Row, doubts, measured_title};
+pub use grid::{Column, Grid, StudyRow, doubts, measured_title};
 pub use job::{Job, JobResult, Played, Stroke};
 pub(crate) use rests::rests;
 pub use sampling::{Sampling, SamplingError};

@@ -90,7 +90,7 @@ impl JsonSchema for KeyName {
 const TYPED_PATTERN: &str = "[A-DF-Za-df-z\u{b5}\u{3bc}\u{b0}%\"'\u{2033}\u{201d}]";
 
 /// Values that can be bare or cited: a number of some range, or a pair of numbers.
-pub trait Kind: for<'de> Deserialize<'de> + JsonSchema + Clone + fmt::Debug {
+pub trait NumberKind: for<'de> Deserialize<'de> + JsonSchema + Clone + fmt::Debug {
     /// Expected value, as an error message describes it.
     const EXPECTED: &'static str;
     /// Its numbers: one, or the two of a pair.
@@ -104,7 +104,7 @@ macro_rules! scalar_kind {
         #[serde(transparent)]
         pub struct $name(pub f64);
 
-        impl Kind for $name {
+        impl NumberKind for $name {
             const EXPECTED: &'static str = $expected;
             fn numbers(&self) -> &[f64] {
                 std::slice::from_ref(&self.0)
@@ -147,7 +147,7 @@ scalar_kind!(
 #[derive(Debug, Clone, Copy)]
 pub struct Pair(pub [f64; 2]);
 
-impl Kind for Pair {
+impl NumberKind for Pair {
     const EXPECTED: &'static str = "two numbers [x, y]";
     fn numbers(&self) -> &[f64] {
         &self.0
@@ -221,44 +221,44 @@ scalar_kind!(
 
 /// A number, bare or cited.
 #[derive(Debug, Clone)]
-pub enum Quantity<T> {
+pub enum FileQuantity<T> {
     Bare(T),
     Cited(Box<Cited<T>>),
 }
 
 /// A number of the file: bare or cited, with its place in the text.
-pub type Num<T> = At<Quantity<T>>;
+pub type Num<T> = At<FileQuantity<T>>;
 
-impl<T> At<Quantity<T>> {
+impl<T> At<FileQuantity<T>> {
     /// The number itself.
     pub(crate) fn kind(&self) -> &T {
         match &**self {
-            Quantity::Bare(value) => value,
-            Quantity::Cited(cited) => &cited.value,
+            FileQuantity::Bare(value) => value,
+            FileQuantity::Cited(cited) => &cited.value,
         }
     }
 
     /// Place of the number itself, without its citation.
     pub fn value_span(&self) -> Range<usize> {
         match &**self {
-            Quantity::Bare(_) => self.span(),
-            Quantity::Cited(cited) => cited.value.span(),
+            FileQuantity::Bare(_) => self.span(),
+            FileQuantity::Cited(cited) => cited.value.span(),
         }
     }
 }
 
-impl<'de, T: Kind> Deserialize<'de> for Quantity<T> {
+impl<'de, T: NumberKind> Deserialize<'de> for FileQuantity<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct QuantityVisitor<T>(PhantomData<T>);
-        impl<'de, T: Kind> Visitor<'de> for QuantityVisitor<T> {
-            type Value = Quantity<T>;
+        impl<'de, T: NumberKind> Visitor<'de> for QuantityVisitor<T> {
+            type Value = FileQuantity<T>;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 let cited = "{ value = ..., source = ..., certainty = ... }";
                 write!(f, "{}, or one in quotes with its unit, or a cited one {cited}", T::EXPECTED)
             }
             fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
                 let number: F64Deserializer<E> = value.into_deserializer();
-                T::deserialize(number).map(Quantity::Bare)
+                T::deserialize(number).map(FileQuantity::Bare)
             }
             // TOML integers have 64 bits. Those beyond 2^53 lose digits here, but no plausible length or mass is that
             // large.
@@ -266,17 +266,17 @@ impl<'de, T: Kind> Deserialize<'de> for Quantity<T> {
                 self.visit_f64(value as f64)
             }
             fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Self::Value, A::Error> {
-                T::deserialize(SeqAccessDeserializer::new(seq)).map(Quantity::Bare)
+                T::deserialize(SeqAccessDeserializer::new(seq)).map(FileQuantity::Bare)
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-                Cited::deserialize(MapAccessDeserializer::new(map)).map(|cited| Quantity::Cited(Box::new(cited)))
+                Cited::deserialize(MapAccessDeserializer::new(map)).map(|cited| FileQuantity::Cited(Box::new(cited)))
             }
         }
         deserializer.deserialize_newtype_struct(NUMBER, QuantityVisitor(PhantomData))
     }
 }
 
-impl<T: Kind> JsonSchema for Quantity<T> {
+impl<T: NumberKind> JsonSchema for FileQuantity<T> {
     fn schema_name() -> Cow<'static, str> {
         format!("{}Quantity", T::schema_name()).into()
     }

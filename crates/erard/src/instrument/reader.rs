@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::error::Fault;
 use super::provenance::{Certainty, Citation, Source, Spread};
-use super::quantity::{At, Kind, Num, Quantity};
+use super::quantity::{At, FileQuantity, Num, NumberKind};
 use super::{Instrument, Vec2};
 use crate::files::steers;
 
@@ -64,13 +64,13 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads a scalar within `limits`, in the file's unit.
-    pub fn scalar<T: Kind>(&mut self, number: &Num<T>, limits: impl Into<Limits>) -> Result<f64, Fault> {
+    pub fn scalar<T: NumberKind>(&mut self, number: &Num<T>, limits: impl Into<Limits>) -> Result<f64, Fault> {
         self.checked(number, limits.into())?;
         Ok(number.kind().numbers()[0])
     }
 
     /// Reads a scalar that may be absent; it is 0 then.
-    pub(crate) fn scalar_or_zero<T: Kind>(
+    pub(crate) fn scalar_or_zero<T: NumberKind>(
         &mut self,
         number: Option<&Num<T>>,
         limits: impl Into<Limits>,
@@ -79,19 +79,23 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads a pair within `limits`, in the file's unit.
-    pub(crate) fn pair<T: Kind>(&mut self, number: &Num<T>, limits: impl Into<Limits>) -> Result<Vec2, Fault> {
+    pub(crate) fn pair<T: NumberKind>(&mut self, number: &Num<T>, limits: impl Into<Limits>) -> Result<Vec2, Fault> {
         self.checked(number, limits.into())?;
         let numbers = number.kind().numbers();
         Ok([numbers[0], numbers[1]])
     }
 
     /// Reads a point in millimetres and returns it in metres.
-    pub fn point_m<T: Kind>(&mut self, number: &Num<T>, limits: impl Into<Limits>) -> Result<Vec2, Fault> {
+    pub fn point_m<T: NumberKind>(&mut self, number: &Num<T>, limits: impl Into<Limits>) -> Result<Vec2, Fault> {
         Ok(self.pair(number, limits)?.map(|mm| mm / MM_PER_M))
     }
 
     /// Reads a direction of any length but zero and returns a unit vector.
-    pub(crate) fn direction<T: Kind>(&mut self, number: &Num<T>, limits: impl Into<Limits>) -> Result<Vec2, Fault> {
+    pub(crate) fn direction<T: NumberKind>(
+        &mut self,
+        number: &Num<T>,
+        limits: impl Into<Limits>,
+    ) -> Result<Vec2, Fault> {
         let [x, y] = self.pair(number, limits)?;
         let length = libm::hypot(x, y);
         if length < 1e-6 {
@@ -100,14 +104,14 @@ impl<'a> Reader<'a> {
         Ok([x / length, y / length])
     }
 
-    fn checked<T: Kind>(&mut self, number: &Num<T>, limits: Limits) -> Result<(), Fault> {
+    fn checked<T: NumberKind>(&mut self, number: &Num<T>, limits: Limits) -> Result<(), Fault> {
         let values = number.kind().numbers();
         for &value in values {
             self.check_value(value, number.value_span(), T::EXPECTED, limits)?;
         }
         let citation = match &**number {
-            Quantity::Bare(_) => None,
-            Quantity::Cited(cited) => {
+            FileQuantity::Bare(_) => None,
+            FileQuantity::Cited(cited) => {
                 let spread = match (&cited.spread, &cited.spread_factor) {
                     (Some(_), Some(factor)) => {
                         return Err(Fault::at(

@@ -92,7 +92,7 @@ impl PianoString {
     }
 
     /// Force on the bridge per metre of a mode's displacement, N/m: -(T u' - EI u''') at the string's end.
-    pub(crate) fn bridge_n_m(&self, n: u32) -> f64 {
+    pub(crate) fn bridge_n_per_m(&self, n: u32) -> f64 {
         let (wave, square) = (f64::from(n) * PI / self.length_m, f64::from(n) * f64::from(n));
         let slope = if n.is_multiple_of(2) { wave } else { -wave };
         -self.tension_n * (1.0 + self.inharmonicity() * square) * slope

@@ -15,7 +15,7 @@ use crate::instrument::error::Fault;
 use crate::instrument::file::{check_size, read_bytes, utf8, whole_file};
 use crate::instrument::from_toml::from_toml;
 use crate::instrument::locate::dress;
-use crate::instrument::quantity::{At, Kind};
+use crate::instrument::quantity::{At, NumberKind};
 use crate::instrument::reader::{DIRECTION, LENGTH_MM, Reader, title};
 use crate::instrument::schema::schema_of;
 use crate::instrument::serde_fault::serde_fault;
@@ -300,7 +300,7 @@ fn path_of(path: &At<String>, base: &mut DocumentMut, count: usize) -> Result<St
 }
 
 /// A curve that is `neutral` at the base instrument's own key.
-fn curve<T: Kind>(
+fn curve<T: NumberKind>(
     file: &At<Vec<PointToml<T>>>,
     reader: &Reader,
     base_key: usize,

@@ -43,8 +43,8 @@ pub(super) struct Felt {
     pub rocking: Row,
     /// A of the rocking, m/N; and how far in a step a newton on the hammer and on the felt itself rocks it, and the
     /// other way round, m/N.
-    rocks_m_n: f64,
-    pub rocked_by_m_n: [f64; 2],
+    rocks_m_per_n: f64,
+    pub rocked_by_m_per_n: [f64; 2],
     /// Change of S in a step by a newton that rocks it.
     pub rocking_sounds: f64,
 }
@@ -62,8 +62,8 @@ pub(super) fn felts(instrument: &Instrument) -> Vec<Felt> {
             places_m: [damper.middle_m - half_m, damper.middle_m + half_m],
             row: Row::default(),
             rocking: Row::default(),
-            rocks_m_n: 0.0,
-            rocked_by_m_n: [0.0; 2],
+            rocks_m_per_n: 0.0,
+            rocked_by_m_per_n: [0.0; 2],
             rocking_sounds: 0.0,
         })
     };
@@ -85,7 +85,7 @@ impl Felt {
     /// Its string has these blocks.
     pub(crate) fn lay(&mut self, first: usize, blocks: usize) {
         (self.row, self.rocking) = (Row::new(first, blocks), Row::new(first, blocks));
-        (self.rocks_m_n, self.rocked_by_m_n, self.rocking_sounds) = (0.0, [0.0; 2], 0.0);
+        (self.rocks_m_per_n, self.rocked_by_m_per_n, self.rocking_sounds) = (0.0, [0.0; 2], 0.0);
     }
 
     /// A mode's displacement of the felt, away from it, and of its rocking, per metre.
@@ -101,18 +101,18 @@ impl Felt {
         string: &PianoString,
         (n, hammer): (u32, f64),
         at: usize,
-        stiffness_n_m: f64,
+        stiffness_n_per_m: f64,
         blocks: &[Block],
     ) -> f64 {
         let [mean, half] = self.shapes(string, n);
         let Block { qq, bridge, .. } = &blocks[at / WIDE];
         let (qq, bridge) = (qq[at % WIDE], bridge[at % WIDE]);
-        self.row.set(at, mean, stiffness_n_m, blocks);
-        self.rocking.set(at, half, stiffness_n_m, blocks);
-        let rocks = half / stiffness_n_m * (1.0 - qq);
-        self.rocks_m_n += half * rocks;
-        self.rocked_by_m_n[0] += hammer * rocks;
-        self.rocked_by_m_n[1] += mean * rocks;
+        self.row.set(at, mean, stiffness_n_per_m, blocks);
+        self.rocking.set(at, half, stiffness_n_per_m, blocks);
+        let rocks = half / stiffness_n_per_m * (1.0 - qq);
+        self.rocks_m_per_n += half * rocks;
+        self.rocked_by_m_per_n[0] += hammer * rocks;
+        self.rocked_by_m_per_n[1] += mean * rocks;
         self.rocking_sounds += bridge * rocks;
         mean
     }
@@ -146,20 +146,20 @@ impl Felt {
         if per_s <= 0.0 {
             return Rocks::default();
         }
-        let stiff_n_m = per_s / (1.0 + per_s * self.rocks_m_n);
-        Rocks { per_s, stiff_n_m, drift_m: self.rocking.free(blocks) - self.rocking.now(blocks) }
+        let stiff_n_per_m = per_s / (1.0 + per_s * self.rocks_m_per_n);
+        Rocks { per_s, stiff_n_per_m, drift_m: self.rocking.free(blocks) - self.rocking.now(blocks) }
     }
 
     /// After a step under the other forces: what the rocking has taken meanwhile, J. `before_m`: where it was.
     pub(crate) fn rock(&self, rocks: &Rocks, before_m: f64, blocks: &mut [Block]) -> f64 {
-        let force_n = -rocks.stiff_n_m * (self.rocking.now(blocks) - before_m);
+        let force_n = -rocks.stiff_n_per_m * (self.rocking.now(blocks) - before_m);
         self.rocking.press(force_n, blocks);
         force_n * force_n / rocks.per_s
     }
 
     /// By how much a newton that rocks it rocks it in a step, m/N.
-    pub(crate) fn rocks_m_n(&self) -> f64 {
-        self.rocks_m_n
+    pub(crate) fn rocks_m_per_n(&self) -> f64 {
+        self.rocks_m_per_n
     }
 }
 
@@ -169,7 +169,7 @@ pub(super) struct Rocks {
     /// c/h, N/m.
     pub per_s: f64,
     /// (c/h) / (1 + (c/h) A_r): its force per metre by which it would rock if its dashpot did nothing, N/m.
-    pub stiff_n_m: f64,
+    pub stiff_n_per_m: f64,
     /// By how much it rocks if nothing presses it, m.
     pub drift_m: f64,
 }
@@ -191,7 +191,7 @@ pub(super) fn bridge_coupling(rocks: &[Rocks; MAX_STRINGS], felts: &[Felt], per_
         for (l, felt) in felts.iter().enumerate().filter(|(l, _)| rocked[*l]) {
             matrix[k][l] = felts[k].rocking_sounds * per_newton * felt.rocking_sounds;
         }
-        matrix[k][k] += 1.0 / rocks[k].per_s + felts[k].rocks_m_n();
+        matrix[k][k] += 1.0 / rocks[k].per_s + felts[k].rocks_m_per_n();
         inverse[k][k] = 1.0;
     }
     gauss_jordan(&mut matrix, &mut inverse);

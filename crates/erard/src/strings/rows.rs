@@ -47,10 +47,10 @@ impl Row {
 
     /// A mode's displacement at the place per metre of its own, and its stiffness, N/m. The mode's step is known
     /// already.
-    pub(crate) fn set(&mut self, at: usize, shape: f64, stiffness_n_m: f64, blocks: &[Block]) {
+    pub(crate) fn set(&mut self, at: usize, shape: f64, stiffness_n_per_m: f64, blocks: &[Block]) {
         let (block, lane) = (at / WIDE, at % WIDE);
         let part = &mut self.parts[block - self.first];
-        let rests = shape / stiffness_n_m;
+        let rests = shape / stiffness_n_per_m;
         part.shape[lane] = shape;
         part.fq[lane] = rests * (1.0 - blocks[block].qq[lane]);
         part.fv[lane] = -rests * blocks[block].vq[lane];

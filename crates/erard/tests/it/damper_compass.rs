@@ -43,12 +43,12 @@ impl Complex {
 
 /// The decay of the first partial of an ideal string with a spring and a dashpot at a place, 1/s: the root of
 /// T k sin(k L) + (i w c + s) sin(k a) sin(k (L - a)) = 0 with w = k sqrt(T/mu), followed from the free string on.
-fn of_the_equation(string: &PianoString, place_m: f64, spring_n_m: f64, dashpot: f64) -> f64 {
+fn of_the_equation(string: &PianoString, place_m: f64, spring_n_per_m: f64, dashpot: f64) -> f64 {
     let (tension, length, speed) =
         (string.tension_n, string.length_m, (string.tension_n / string.mass_kg_per_m).sqrt());
     let left = |k: Complex, share: f64| {
         let free = k.scaled(tension).times(k.scaled(length).sin());
-        let load = Complex([0.0, dashpot * speed]).times(k).plus(Complex([spring_n_m, 0.0])).scaled(share);
+        let load = Complex([0.0, dashpot * speed]).times(k).plus(Complex([spring_n_per_m, 0.0])).scaled(share);
         free.plus(load.times(k.scaled(place_m).sin()).times(k.scaled(length - place_m).sin()))
     };
     let mut k = Complex([PI / length, 0.0]);
@@ -95,8 +95,8 @@ fn silenced(keys: &[usize]) {
     for &number in keys {
         let instrument = key(number);
         let string = &instrument.strings[0];
-        let ([spring_n_m, dashpot], place_m) = (felt(&instrument), string.damper.unwrap().middle_m);
-        let exact = of_the_equation(string, place_m, spring_n_m, dashpot) + string.decay_per_s(1);
+        let ([spring_n_per_m, dashpot], place_m) = (felt(&instrument), string.damper.unwrap().middle_m);
+        let exact = of_the_equation(string, place_m, spring_n_per_m, dashpot) + string.decay_per_s(1);
         let found = first_partial_falls(&instrument);
         let impedance = (string.tension_n * string.mass_kg_per_m).sqrt();
         let t60_s = 3.0 * std::f64::consts::LN_10 / found;

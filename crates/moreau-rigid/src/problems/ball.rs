@@ -3,7 +3,7 @@
 use crate::{Body, Contact, Energies, Mode, Model, Surface};
 use moreau::GROUND;
 
-use super::row::{Order, Row};
+use super::row::{Order, ProblemRow};
 use super::run::{Run, at};
 
 const G: f64 = 9.81;
@@ -78,12 +78,12 @@ fn zeno_error(h: f64) -> f64 {
     (errors.sum::<f64>() / 16.0).sqrt()
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     for h in [1e-3, 1e-4, 1e-5] {
         let b = bounce(h, HEIGHT);
         let name = |s: &str| format!("{s}, h = {h:.0e}");
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             name("first impact"),
             "s",
             fall_time(HEIGHT),
@@ -93,12 +93,12 @@ pub(crate) fn rows() -> Vec<Row> {
         ));
         let because = "every impact is off by up to half a step, g h/2 of speed, and 2/(g (1 - e)) of time for each speed: 10 h, \
                        of random sign, over some hundred impacts";
-        rows.push(Row::new(name("comes to rest"), "s", zeno_time(HEIGHT), b.rests, 100.0 * h, because));
-        rows.push(Row::new(name("speed two seconds later"), "m/s", 0.0, b.speed_after, 0.0, "exactly zero"));
+        rows.push(ProblemRow::new(name("comes to rest"), "s", zeno_time(HEIGHT), b.rests, 100.0 * h, because));
+        rows.push(ProblemRow::new(name("speed two seconds later"), "m/s", 0.0, b.speed_after, 0.0, "exactly zero"));
         let because = "the last impacts sink in by what a step falls";
-        rows.push(Row::new(name("height then"), "m", 0.0, b.height_after, 4.2 * h, because));
+        rows.push(ProblemRow::new(name("height then"), "m", 0.0, b.height_after, 4.2 * h, because));
         let because = "impacts take; only the step in which it comes to rest may give m (g h)2/8";
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             name("largest gain of energy in a step"),
             "J",
             0.0,
@@ -108,7 +108,7 @@ pub(crate) fn rows() -> Vec<Row> {
         ));
     }
     let order = Order::halving(1.6e-3, 5, zeno_error);
-    rows.push(Row::new(
+    rows.push(ProblemRow::new(
         "order of the time of rest, h from 1.6 to 0.1 ms",
         "",
         1.0,

@@ -4,7 +4,7 @@
 use crate::{Body, Contact, Mode, Model, Spring, Surface};
 use moreau::GROUND;
 
-use super::row::Row;
+use super::row::ProblemRow;
 use super::run::{Run, at};
 
 const BELT: f64 = 0.2;
@@ -72,14 +72,14 @@ pub(crate) fn slip_duration() -> f64 {
     2.0 * std::f64::consts::PI - 2.0 * (0.5_f64 / BELT).atan()
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     for h in [1e-2, 1e-3, 1e-4] {
         let c = course(1.0, h, 11.0);
         let first = |v: &[f64]| if c.sound { v.first().copied().unwrap_or(f64::NAN) } else { f64::NAN };
-        rows.push(Row::new(format!("slips at, h = {h:.0e}"), "", 5.0, first(&c.slips), h, "known to a step"));
+        rows.push(ProblemRow::new(format!("slips at, h = {h:.0e}"), "", 5.0, first(&c.slips), h, "known to a step"));
         let because = "a shift of the onset by a step moves x by 0.2 h at most";
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("largest |x - 1 - 0.2 sin(t - 5)|, h = {h:.0e}"),
             "",
             0.0,
@@ -96,7 +96,7 @@ pub(crate) fn rows() -> Vec<Row> {
         let because = "two instants, each known to a step";
         let slipping = slip_duration();
         let mut add = |name: &str, reference, ours| {
-            rows.push(Row::new(
+            rows.push(ProblemRow::new(
                 format!("static limit 1.5: {name}, h = {h:.0e}"),
                 "",
                 reference,

@@ -3,7 +3,7 @@
 use crate::{Body, Contact, Energies, Mode, Model, Surface};
 use moreau::GROUND;
 
-use super::row::Row;
+use super::row::ProblemRow;
 use super::run::{Run, at};
 
 const G: f64 = 9.81;
@@ -47,17 +47,24 @@ fn roll(h: f64) -> [f64; 4] {
     [rolls, v[0], v[0] + RADIUS * v[2], gain].map(|x| run.value(x))
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     for h in [1e-2, 1e-3, 1e-4] {
         let [rolls, speed, slip, gain] = roll(h);
         let reference = 1.0 / (3.0 * MU * G);
         let name = |s: &str| format!("{s}, h = {h:.0e}");
-        rows.push(Row::new(name("rolls from"), "s", reference, rolls, 0.5 * h * 1.000_001, "known to half a step"));
+        rows.push(ProblemRow::new(
+            name("rolls from"),
+            "s",
+            reference,
+            rolls,
+            0.5 * h * 1.000_001,
+            "known to half a step",
+        ));
         let because = "exact at any h: friction keeps the angular momentum about the line; rounding";
-        rows.push(Row::new(name("speed of rolling"), "m/s", 2.0 / 3.0, speed, 1e-12, because));
-        rows.push(Row::new(name("slip a second later"), "m/s", 0.0, slip, 1e-12, "exact: rounding"));
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(name("speed of rolling"), "m/s", 2.0 / 3.0, speed, 1e-12, because));
+        rows.push(ProblemRow::new(name("slip a second later"), "m/s", 0.0, slip, 1e-12, "exact: rounding"));
+        rows.push(ProblemRow::new(
             name("largest gain of energy in a step"),
             "J",
             0.0,

@@ -4,7 +4,7 @@
 use crate::{Body, Contact, Model, PolygonContact, Surface};
 use moreau::GROUND;
 
-use super::row::Row;
+use super::row::ProblemRow;
 use super::run::{Run, at};
 
 const G: f64 = 9.81;
@@ -73,12 +73,12 @@ fn tipped(over: f64, time: f64) -> [f64; 2] {
     s
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let y = HALF[1];
     let aside = block(10.0, 1e-3, 1.0);
     let rests = block(0.09, 1e-3, 1.0);
     let mut rows = vec![
-        Row::new(
+        ProblemRow::new(
             "ten metres aside: height after 1 s",
             "m",
             y - 0.5 * G,
@@ -86,15 +86,22 @@ pub(crate) fn rows() -> Vec<Row> {
             1e-11,
             "free fall is exact: rounding of 1000 steps",
         ),
-        Row::new("its middle 10 mm inside the edge: height after 1 s", "m", y, rests[1], 1e-12, "rests: rounding"),
-        Row::new("the same: angle", "rad", 0.0, rests[2], 1e-12, "rests: rounding"),
+        ProblemRow::new(
+            "its middle 10 mm inside the edge: height after 1 s",
+            "m",
+            y,
+            rests[1],
+            1e-12,
+            "rests: rounding",
+        ),
+        ProblemRow::new("the same: angle", "rad", 0.0, rests[2], 1e-12, "rests: rounding"),
     ];
     for h in [1e-3, 1e-4] {
         let ours = block(0.11, h, 0.2);
         let [angle, rate] = tipped(0.01, 0.2);
         let because =
             "of order h2: the trapezium of rates that grow as exp(12 t), and the corner that slips in by as little";
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("10 mm beyond it: angle after 0.2 s, h = {h:.0e}"),
             "rad",
             -angle,
@@ -102,7 +109,7 @@ pub(crate) fn rows() -> Vec<Row> {
             500.0 * h * h,
             because,
         ));
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("10 mm beyond it: rate after 0.2 s, h = {h:.0e}"),
             "rad/s",
             -rate,
@@ -114,7 +121,7 @@ pub(crate) fn rows() -> Vec<Row> {
     for h in [1e-3, 1e-4] {
         let [along, height] = bead(h, 1.0);
         // It leaves after half a second and falls for another.
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("bead: way after 1 s, h = {h:.0e}"),
             "m",
             0.5,
@@ -122,7 +129,7 @@ pub(crate) fn rows() -> Vec<Row> {
             1e-12,
             "no force along the plate: rounding",
         ));
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("bead: height after 1 s, h = {h:.0e}"),
             "m",
             -0.5 * G * 0.25,

@@ -3,7 +3,7 @@
 use crate::{Body, Contact, Model, Surface};
 use moreau::GROUND;
 
-use super::row::Row;
+use super::row::ProblemRow;
 use super::run::{Run, at};
 
 const G: f64 = 9.81;
@@ -69,11 +69,11 @@ fn critical() -> f64 {
     sticks
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let (s, c) = SLOPE.sin_cos();
     let deceleration = G * (s + 0.5 * c);
     let mut rows = vec![
-        Row::new(
+        ProblemRow::new(
             "friction coefficient from which on it sticks",
             "",
             SLOPE.tan(),
@@ -81,7 +81,7 @@ pub(crate) fn rows() -> Vec<Row> {
             1e-10,
             "slips below 1e-12 m/s are the solver's tolerance; ten steps of 10 ms bring 1e-12 m/s at 1e-12 of mu",
         ),
-        Row::new(
+        ProblemRow::new(
             "mu 0.3, from rest: acceleration downhill",
             "m/s2",
             G * (s - 0.3 * c),
@@ -89,7 +89,7 @@ pub(crate) fn rows() -> Vec<Row> {
             1e-11,
             "exact: rounding of 1000 steps",
         ),
-        Row::new(
+        ProblemRow::new(
             "mu 0.37, from rest: way in 10 s",
             "m",
             0.0,
@@ -100,7 +100,7 @@ pub(crate) fn rows() -> Vec<Row> {
     ];
     for h in [1e-2, 1e-3, 1e-4] {
         let slid = slide(0.5, 1.0, h, 2.0);
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("mu 0.5, uphill at 1 m/s: stops at, h = {h:.0e}"),
             "s",
             1.0 / deceleration,
@@ -108,7 +108,7 @@ pub(crate) fn rows() -> Vec<Row> {
             0.5 * h * 1.000_001,
             "known to half a step",
         ));
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("mu 0.5, uphill at 1 m/s: way after 2 s, h = {h:.0e}"),
             "m",
             0.5 / deceleration,

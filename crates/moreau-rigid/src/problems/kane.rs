@@ -8,7 +8,7 @@
 use crate::{Body, Contact, Energies, ImpactLaw, Joint, JointKind, Model, StepReport, Surface};
 use moreau::GROUND;
 
-use super::row::{Expected, Row};
+use super::row::{Expected, ProblemRow};
 use super::run::{Run, at};
 
 /// Angles from the downward vertical, rad, and their rates, rad/s; rods of 1 m and 1 kg.
@@ -125,7 +125,7 @@ fn strike(angle: [f64; 2], rate: [f64; 2], law: ImpactLaw, h: f64) -> ([f64; 2],
     ([s1 * a + s2 * b, c1 * a + c2 * b], run.value(after / before), report.impact_energy / before, report)
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let tip = tip();
     let h = 1e-9;
     let mut rows = Vec::new();
@@ -135,13 +135,20 @@ pub(crate) fn rows() -> Vec<Row> {
         let (ours, ratio, told, report) = strike(ANGLE, RATE, law, h);
         let because =
             "the rods turn by 1e-9 s times some rad/s, and their angles differ by 0.05 only, which counts squared";
-        rows.push(Row::new(format!("{name}: tip parts with"), "m/s", u[0], ours[0], 1e-6, because));
-        rows.push(Row::new(format!("{name}: tip slips with"), "m/s", u[1], ours[1], 1e-6, because));
-        rows.push(Row::new(format!("{name}: energy after over before"), "", energy, ratio, 1e-5, because));
+        rows.push(ProblemRow::new(format!("{name}: tip parts with"), "m/s", u[0], ours[0], 1e-6, because));
+        rows.push(ProblemRow::new(format!("{name}: tip slips with"), "m/s", u[1], ours[1], 1e-6, because));
+        rows.push(ProblemRow::new(format!("{name}: energy after over before"), "", energy, ratio, 1e-5, because));
         let because = "what the report tells is the work of the contact's impulses";
-        rows.push(Row::new(format!("{name}: gain that the report tells"), "", energy - 1.0, told, 1e-5, because));
+        rows.push(ProblemRow::new(
+            format!("{name}: gain that the report tells"),
+            "",
+            energy - 1.0,
+            told,
+            1e-5,
+            because,
+        ));
         if law == ImpactLaw::Stronge {
-            rows.push(Row::bounded(
+            rows.push(ProblemRow::bounded(
                 "Stronge: increments in the space of impulses",
                 Expected::AtMost(4.0),
                 if report.impact_ended { f64::from(report.impact_increments) } else { f64::NAN },
@@ -167,7 +174,7 @@ pub(crate) fn rows() -> Vec<Row> {
             }
         }
     }
-    let mut bound = |what: &str, expected, ours, because| rows.push(Row::bounded(what, expected, ours, because));
+    let mut bound = |what: &str, expected, ours, because| rows.push(ProblemRow::bounded(what, expected, ours, because));
     bound("impacts in other poses", Expected::AtLeast(1000.0), f64::from(impacts), "half of them close");
     bound("Newton: largest energy after over before", Expected::AtLeast(2.0), newton, "the paradox is no accident");
     bound(

@@ -7,7 +7,7 @@ use crate::{Body, Energies, Joint, JointKind, Model};
 use moreau::GROUND;
 
 use super::closed_forms::{FourBar, SliderCrank};
-use super::row::{Order, Row};
+use super::row::{Order, ProblemRow};
 use super::run::{Run, at};
 
 const BAR: FourBar = FourBar { a: 0.1, b: 0.25, c: 0.3, d: 0.35 };
@@ -187,7 +187,7 @@ fn crank_angle(bodies: &[Body<f64>; 3], pose: Pose, duration: f64) -> f64 {
 
 type Case = (&'static str, fn(f64, f64) -> Turned, [Body<f64>; 3], Pose);
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     let cases: [Case; 2] = [
         ("four-bar", four_bar, four_bar_bodies(), four_bar_pose),
@@ -195,7 +195,7 @@ pub(crate) fn rows() -> Vec<Row> {
     ];
     for (name, run, bodies, pose) in cases {
         let long = run(1e-3, 100.0);
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("{name}: largest opening of a joint in 100 s, h = 1e-3"),
             "m, rad",
             0.0,
@@ -204,7 +204,7 @@ pub(crate) fn rows() -> Vec<Row> {
             "asked for; the projection closes to 1e-13",
         ));
         let because = "the opening over the sine between the bars, and rounding of a thousand rad";
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("{name}: largest deviation from the closed form in 100 s"),
             "m, rad",
             0.0,
@@ -220,7 +220,7 @@ pub(crate) fn rows() -> Vec<Row> {
         ] {
             let order = Order::of(4e-3, error);
             let quantity = format!("{name}: order of the {what}, h from 4 ms");
-            rows.push(Row::new(quantity, "", 2.0, order.observed(), within, "slope over three halvings"));
+            rows.push(ProblemRow::new(quantity, "", 2.0, order.observed(), within, "slope over three halvings"));
         }
     }
     rows

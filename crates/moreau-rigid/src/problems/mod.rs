@@ -19,7 +19,7 @@ mod slot;
 mod springs;
 mod stack;
 
-pub use row::{Expected, Order, Row};
+pub use row::{Expected, Order, ProblemRow};
 pub use run::{Run, at};
 
 /// Textbook problem: number, name, and the function that computes its rows.
@@ -30,7 +30,7 @@ pub struct Problem {
     /// Name.
     pub name: &'static str,
     /// Function that solves the problem. It takes from milliseconds to a few seconds.
-    pub rows: fn() -> Vec<Row>,
+    pub rows: fn() -> Vec<ProblemRow>,
 }
 
 /// Returns the problems of rigid bodies, in order.

@@ -4,10 +4,10 @@
 //! to the vertical and I0 = 4/3 m R2. When the other corner lands, angular momentum about it is conserved: the rate is
 //! multiplied by 1 - 3/2 sin2 alpha (Housner 1963).
 
-use crate::{Body, Model, Outcome, PolygonContact};
+use crate::{Body, Model, PolygonContact, StepOutcome};
 use moreau::GROUND;
 
-use super::row::{Expected, Row};
+use super::row::{Expected, ProblemRow};
 use super::run::{Run, at};
 
 const G: f64 = 9.81;
@@ -52,7 +52,7 @@ fn rock([x, y]: [f64; 2], restitution: f64, start: f64, h: f64, duration: f64) -
     for _ in 0..steps {
         let before = (run.state.placement[0].angle, run.state.velocity[0][2]);
         let report = run.step();
-        if report.outcome == Outcome::Painleve {
+        if report.outcome == StepOutcome::Painleve {
             rocked.paradoxes += 1;
             run.sound = true;
         }
@@ -96,7 +96,7 @@ fn quarter(start: f64) -> f64 {
     (integrand(0.0) + inner + integrand(end)) * d / 3.0
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let (_, alpha, p2) = geometry();
     let start = 0.5 * alpha;
     let ratio = 1.0 - 1.5 * alpha.sin().powi(2);
@@ -110,12 +110,12 @@ pub(crate) fn rows() -> Vec<Row> {
         let landing = |i: usize| rocked.landings.get(i).copied().unwrap_or(f64::NAN);
         let because =
             "interpolated in a step whose rate may have fallen by a tenth: a tenth of half a step, and of order h2";
-        rows.push(Row::new(name("first landing"), "s", quarter(start), landing(0), 0.1 * h, because));
+        rows.push(ProblemRow::new(name("first landing"), "s", quarter(start), landing(0), 0.1 * h, because));
         let because = "gravity in the step of the landing: p2 sin alpha h = 4.3 h rad/s of 0.9";
-        rows.push(Row::new(name("rate after it over rate before"), "", ratio, rocked.ratio, 6.0 * h, because));
+        rows.push(ProblemRow::new(name("rate after it over rate before"), "", ratio, rocked.ratio, 6.0 * h, because));
         let because =
             "a part 6 h of the rate moves the amplitude and its 0.5 s by no more; the landings are known to a step";
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             name("from the first to the second"),
             "s",
             2.0 * quarter(next),
@@ -124,14 +124,21 @@ pub(crate) fn rows() -> Vec<Row> {
             because,
         ));
         let because = "sticks at every step's end; between them the way is a chord: (rate h)2/8 of 0.4 m, added up";
-        rows.push(Row::new(name("the corner's way until it lands"), "m", 0.0, rocked.crept, 0.05 * h * h, because));
-        rows.push(Row::bounded(
+        rows.push(ProblemRow::new(
+            name("the corner's way until it lands"),
+            "m",
+            0.0,
+            rocked.crept,
+            0.05 * h * h,
+            because,
+        ));
+        rows.push(ProblemRow::bounded(
             &name("landings in 4 s"),
             Expected::AtLeast(8.0),
             rocked.landings.len() as f64,
             "it goes on rocking",
         ));
-        rows.push(Row::bounded(
+        rows.push(ProblemRow::bounded(
             &name("steps called Painleve's"),
             Expected::AtMost(0.0),
             f64::from(rocked.paradoxes),
@@ -139,7 +146,7 @@ pub(crate) fn rows() -> Vec<Row> {
         ));
         // As wide as high: it rebounds, and slips where it lands.
         let rocked = rock([HALF[1]; 2], 0.3, 0.25 * std::f64::consts::FRAC_PI_4, h, 4.0);
-        rows.push(Row::bounded(
+        rows.push(ProblemRow::bounded(
             &name("a square that rebounds: steps called Painleve's"),
             Expected::AtMost(0.0),
             f64::from(rocked.paradoxes),

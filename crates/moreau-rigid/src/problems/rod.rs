@@ -1,9 +1,9 @@
 //! Problem 13: Painleve's rod. A uniform rod at 45 degrees slides on its lower end, with its upper end trailing.
 
-use crate::{Body, Contact, Model, Outcome, StepReport, Surface};
+use crate::{Body, Contact, Model, StepOutcome, StepReport, Surface};
 use moreau::GROUND;
 
-use super::row::{Expected, Order, Row};
+use super::row::{Expected, Order, ProblemRow};
 use super::run::{Run, at};
 
 const G: f64 = 9.81;
@@ -41,23 +41,23 @@ fn critical() -> f64 {
         let mu = 0.5 * (finite + infinite);
         // Just below the critical one the force is finite and without bounds: the step may not converge, and says so.
         match first_step(mu, 1e-9).0.outcome {
-            Outcome::Painleve => infinite = mu,
+            StepOutcome::Painleve => infinite = mu,
             _ => finite = mu,
         }
     }
     infinite
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     // Normal mobility under friction, times mass: 1 + 3 cos2 - 3 mu sin cos at 45 degrees.
     let force = |mu: f64| G / (2.5 - 1.5 * mu);
     let order = Order::halving(1e-3, 5, |h| (first_step(0.5, h).1 - force(0.5)).abs());
     let guesses = [1.7, 2.0, 5.0]
         .map(|mu| first_step(mu, 1e-3).0)
-        .map(|r| if r.outcome == Outcome::Painleve { f64::from(r.guesses) } else { f64::NAN });
+        .map(|r| if r.outcome == StepOutcome::Painleve { f64::from(r.guesses) } else { f64::NAN });
     let most = guesses.iter().fold(0.0, |a: f64, b| if b.is_nan() { *b } else { a.max(*b) });
     vec![
-        Row::new(
+        ProblemRow::new(
             "critical friction coefficient",
             "",
             5.0 / 3.0,
@@ -65,7 +65,7 @@ pub(crate) fn rows() -> Vec<Row> {
             1e-8,
             "the rod turns by h in the first step of 1 ns",
         ),
-        Row::new(
+        ProblemRow::new(
             "mu 0.5: normal force over mass, h = 1e-6",
             "m/s2",
             force(0.5),
@@ -73,7 +73,7 @@ pub(crate) fn rows() -> Vec<Row> {
             1e-9,
             "of order h2: the rod begins to turn within the step",
         ),
-        Row::new(
+        ProblemRow::new(
             "mu 0.5: order of that force, h from 1 ms",
             "",
             2.0,
@@ -81,7 +81,7 @@ pub(crate) fn rows() -> Vec<Row> {
             0.1,
             "slope over four halvings",
         ),
-        Row::bounded(
+        ProblemRow::bounded(
             "mu 1.7, 2 and 5: the most guesses in the step that reports it",
             Expected::AtMost(200.0),
             most,

@@ -18,7 +18,7 @@ pub enum Expected {
 
 /// Quantity of a problem, with its known answer and the engine's result.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct ProblemRow {
     /// Name of the quantity, with the relevant settings.
     pub quantity: String,
     /// Unit; empty for dimensionless numbers.
@@ -31,7 +31,7 @@ pub struct Row {
     pub because: &'static str,
 }
 
-impl Row {
+impl ProblemRow {
     /// Returns a row with a known value.
     pub fn new(
         quantity: impl Into<String>,
@@ -41,12 +41,12 @@ impl Row {
         tolerance: f64,
         because: &'static str,
     ) -> Self {
-        Row { quantity: quantity.into(), unit, expected: Expected::Near { value, tolerance }, ours, because }
+        ProblemRow { quantity: quantity.into(), unit, expected: Expected::Near { value, tolerance }, ours, because }
     }
 
     /// Returns a row with a bound, e.g. on work that must not grow or that must occur.
     pub fn bounded(quantity: &str, expected: Expected, ours: f64, because: &'static str) -> Self {
-        Row { quantity: quantity.into(), unit: "", expected, ours, because }
+        ProblemRow { quantity: quantity.into(), unit: "", expected, ours, because }
     }
 
     /// Returns whether the result agrees with the known answer; false for NaN.

@@ -1,6 +1,6 @@
 //! Simulation of a mechanism of rigid bodies.
 
-use crate::{Model, Outcome, Placement, Settings, State, StepReport, Twist, Workspace, step};
+use crate::{Model, Placement, Settings, State, StepOutcome, StepReport, Twist, Workspace, step};
 
 /// A mechanism with its state and its time.
 pub struct Run<'m, const B: usize, const N: usize> {
@@ -37,7 +37,7 @@ impl<'m, const B: usize, const N: usize> Run<'m, B, N> {
     /// One step.
     pub(crate) fn step(&mut self) -> StepReport<f64> {
         let report = step(&self.model, &self.settings, &[], &mut self.state, &mut self.workspace);
-        self.sound &= report.outcome == Outcome::Converged;
+        self.sound &= report.outcome == StepOutcome::Converged;
         self.steps += 1;
         report
     }

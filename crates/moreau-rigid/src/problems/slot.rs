@@ -3,7 +3,7 @@
 use crate::{Body, Energies, Joint, JointKind, Model};
 use moreau::GROUND;
 
-use super::row::{Order, Row};
+use super::row::{Order, ProblemRow};
 use super::run::{Run, at};
 
 const R: f64 = 0.05;
@@ -95,13 +95,13 @@ fn free_angle(time: f64) -> f64 {
     })
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let smooth = driven(1000, 10, 0.0);
     let force = Order::halving(1e-2, 4, |part| driven((1.0 / part).round() as u32, 1, 0.0).force);
     let rubbing = driven(1000, 1, DRY);
     let angle = Order::halving(1e-3, 4, |h| (free(h, 1.0)[0] - free_angle(1.0)).abs());
     vec![
-        Row::new(
+        ProblemRow::new(
             "driven for ten turns: largest |x - r cos(omega t)|",
             "m",
             0.0,
@@ -109,7 +109,7 @@ pub(crate) fn rows() -> Vec<Row> {
             1e-12,
             "the crank's rate is given, the joints are closed in position",
         ),
-        Row::new(
+        ProblemRow::new(
             "driven: order of the pin's force m r omega2 cos",
             "",
             2.0,
@@ -117,7 +117,7 @@ pub(crate) fn rows() -> Vec<Row> {
             0.1,
             "slope over three halvings from 100 steps a turn",
         ),
-        Row::new(
+        ProblemRow::new(
             "dry slot: work of the motor in a turn, 4 r F",
             "J",
             4.0 * R * DRY,
@@ -125,7 +125,7 @@ pub(crate) fn rows() -> Vec<Row> {
             1e-5,
             "the pin's way in the slot is 4 r in a turn; of order h2 of 1000 steps",
         ),
-        Row::new(
+        ProblemRow::new(
             "turning freely: order of the crank's angle after 1 s",
             "",
             2.0,

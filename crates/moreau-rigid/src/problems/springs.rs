@@ -4,7 +4,7 @@
 use crate::{Body, Joint, JointKind, Model, Spring, Torsion};
 use moreau::GROUND;
 
-use super::row::{Expected, Order, Row};
+use super::row::{Expected, Order, ProblemRow};
 use super::run::{Run, at};
 
 const BODY: Body<f64> = Body { mass: 0.2, inertia: 3e-3 };
@@ -110,13 +110,13 @@ fn pendulum_period() -> f64 {
     std::f64::consts::TAU * (1.0_f64 / 9.81).sqrt() / a
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let stiffness = 1.2;
     let exact = std::f64::consts::TAU * (BODY.inertia / stiffness).sqrt();
     let mut rows = Vec::new();
     for h in [1e-3, 1e-4] {
         let w = std::f64::consts::TAU / exact;
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("torsion spring: period, h = {h:.0e}"),
             "s",
             exact,
@@ -127,11 +127,11 @@ pub(crate) fn rows() -> Vec<Row> {
     }
     let order = Order::halving(4e-3, 4, |h| (period(stiffness, h) - exact).abs());
     let because = "slope over three halvings from 4 ms";
-    rows.push(Row::new("torsion spring: order of the period", "", 2.0, order.observed(), 0.1, because));
+    rows.push(ProblemRow::new("torsion spring: order of the period", "", 2.0, order.observed(), 0.1, because));
     for stiff in [0.1, 10.0, 1e4] {
         let [error, iterations] = straight(stiff);
         let because = "exact at any stiffness: rounding of forces that turn round in every step";
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("straight spring, theta2 h2 k / m = {stiff}: largest error over its draw"),
             "",
             0.0,
@@ -139,7 +139,7 @@ pub(crate) fn rows() -> Vec<Row> {
             1e-9,
             because,
         ));
-        rows.push(Row::bounded(
+        rows.push(ProblemRow::bounded(
             &format!("straight spring, theta2 h2 k / m = {stiff}: most iterations"),
             Expected::AtMost(3.0),
             iterations,
@@ -148,7 +148,7 @@ pub(crate) fn rows() -> Vec<Row> {
     }
     for h in [1e-3, 5e-4] {
         let [ours, iterations] = pendulum(h);
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("pendulum on a spring of theta2 h2 k / m = {:.0}: period", 0.25 * h * h * 9.81 / 1e-8),
             "s",
             pendulum_period(),
@@ -157,7 +157,7 @@ pub(crate) fn rows() -> Vec<Row> {
             "the midpoint rule's (omega h)2/12, and a radius that is held in the middle of each chord, (v h)2/8 more at its ends: 1.5 h2 and \
              1.2 h2 s for small swings, up to twice that at 1 rad",
         ));
-        rows.push(Row::bounded(
+        rows.push(ProblemRow::bounded(
             &format!("the same, h = {h:.0e}: most iterations"),
             Expected::AtMost(12.0),
             iterations,

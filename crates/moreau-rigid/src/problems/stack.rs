@@ -5,7 +5,7 @@
 use crate::{Body, Energies, ImpactLaw, Model, PolygonContact};
 use moreau::GROUND;
 
-use super::row::{Expected, Row};
+use super::row::{Expected, ProblemRow};
 use super::run::{Run, at};
 
 const G: f64 = 9.81;
@@ -15,7 +15,7 @@ const MASS: f64 = 1.0;
 const MU: f64 = 0.5;
 const RESTITUTION: f64 = 0.3;
 const STEP: f64 = 1e-3;
-const MOST: usize = 16;
+const MAX_BLOCKS: usize = 16;
 
 struct Fallen {
     /// The most negative normal impulse, and the largest friction beyond mu times the normal impulse, N s.
@@ -56,7 +56,7 @@ fn fall(blocks: usize, law: ImpactLaw) -> Fallen {
             (at(0.0, y + 0.002 + i as f64 * (2.0 * y + 0.002), tilt), [0.0; 3])
         })
         .collect();
-    let mut run = Run::<MOST, { 4 * MOST }>::new(model, STEP, &start);
+    let mut run = Run::<MAX_BLOCKS, { 4 * MAX_BLOCKS }>::new(model, STEP, &start);
     run.settings.impact_law = law;
     let mut fallen = Fallen { pull: 0.0, beyond: 0.0, gain: 0.0, sunk: 0.0, load: 0.0, speed: 0.0, residual: 0.0 };
     let mut energy = Energies::of(&model, &run.state).total();
@@ -105,7 +105,7 @@ fn fall(blocks: usize, law: ImpactLaw) -> Fallen {
     fallen
 }
 
-pub(crate) fn rows() -> Vec<Row> {
+pub(crate) fn rows() -> Vec<ProblemRow> {
     let mut rows = Vec::new();
     for (blocks, law, name) in [
         (5, ImpactLaw::Newton, "5 blocks, Newton's law"),
@@ -114,7 +114,7 @@ pub(crate) fn rows() -> Vec<Row> {
     ] {
         let f = fall(blocks, law);
         let mut bound = |what: &str, expected, ours, because| {
-            rows.push(Row::bounded(&format!("{name}: {what}"), expected, ours, because));
+            rows.push(ProblemRow::bounded(&format!("{name}: {what}"), expected, ours, because));
         };
         bound(
             "smallest normal impulse (N s)",
@@ -137,7 +137,7 @@ pub(crate) fn rows() -> Vec<Row> {
             "a contact closes in the first step whose middle is past it",
         );
         bound("fastest body after 1 s (m/s, rad/s)", Expected::AtMost(1e-13), f.speed, "rest: rounding");
-        rows.push(Row::new(
+        rows.push(ProblemRow::new(
             format!("{name}: what every floor carries, over the weight above"),
             "",
             1.0,

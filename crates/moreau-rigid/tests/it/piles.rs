@@ -2,8 +2,8 @@
 
 use moreau::GROUND;
 use moreau_rigid::{
-    Body, Contact, Energies, ImpactLaw, Joint, JointKind, Model, Outcome, Placement, PolygonContact, Settings, State,
-    Surface, Workspace, step,
+    Body, Contact, Energies, ImpactLaw, Joint, JointKind, Model, Placement, PolygonContact, Settings, State,
+    StepOutcome, Surface, Workspace, step,
 };
 
 const BODIES: usize = 5;
@@ -93,10 +93,10 @@ fn tumble(seed: u64, law: ImpactLaw) -> [u32; 4] {
     for n in 0..3000 {
         let report = step(&model, &settings, &[], &mut state, &mut workspace);
         outcomes[match report.outcome {
-            Outcome::Converged => 0,
-            Outcome::Approximate => 1,
-            Outcome::Painleve => 2,
-            Outcome::IterationLimit => 3,
+            StepOutcome::Converged => 0,
+            StepOutcome::Approximate => 1,
+            StepOutcome::Painleve => 2,
+            StepOutcome::IterationLimit => 3,
             other => panic!("seed {seed}, step {n}: {other:?}"),
         }] += 1;
         assert!(report.residual < 1e-3, "seed {seed}, step {n}: {report:?}");
@@ -187,7 +187,8 @@ fn a_chain_falls() {
             let mut energy = begin;
             for n in 0..10_000 {
                 let report = step(&model, &settings, &[], &mut state, &mut workspace);
-                let sound = matches!(report.outcome, Outcome::Converged | Outcome::Approximate | Outcome::Painleve);
+                let sound =
+                    matches!(report.outcome, StepOutcome::Converged | StepOutcome::Approximate | StepOutcome::Painleve);
                 assert!(sound, "{law:?} {seed}, step {n}: {report:?}");
                 assert!(report.residual < 1e-2, "{law:?} {seed}, step {n}: {report:?}");
                 impacts += u32::from(report.impact_energy < 0.0);

@@ -2,8 +2,8 @@
 
 use moreau::GROUND;
 use moreau_rigid::{
-    Body, Contact, Energies, ImpactLaw, Joint, JointKind, Model, ModelError, Outcome, Placement, PolygonContact,
-    Settings, SolvedBy, Spring, State, Surface, Torsion, Workspace, step,
+    Body, Contact, Energies, ImpactLaw, Joint, JointKind, Model, ModelError, Placement, PolygonContact, Settings,
+    SolvedBy, Spring, State, StepOutcome, Surface, Torsion, Workspace, step,
 };
 
 fn at(x: f64, y: f64, angle: f64) -> Placement<f64> {
@@ -51,7 +51,7 @@ fn discs_collide() {
     let mut workspace = Workspace::new();
     for _ in 0..100_000 {
         let report = step(&model, &Settings::new(h), &[], &mut state, &mut workspace);
-        assert_eq!(report.outcome, Outcome::Converged);
+        assert_eq!(report.outcome, StepOutcome::Converged);
     }
     // At touch the centres are 0.3 apart, 0.15 of it upward: the line of centres is at 30 degrees.
     let n = [-(3.0_f64.sqrt()) / 2.0, 0.5];
@@ -93,7 +93,7 @@ fn redundant_closures_are_solved() {
         let mut change = 0.0_f64;
         for _ in 0..(2.0 / h) as u32 {
             let report = step(&model, &Settings::new(h), &[], &mut state, &mut workspace);
-            assert_eq!(report.outcome, Outcome::Converged);
+            assert_eq!(report.outcome, StepOutcome::Converged);
             assert!(state.drift(&model) < 1e-10 && state.placement[3].angle.abs() < 1e-10);
             change = change.max((Energies::of(&model, &state).total() - start).abs());
         }
@@ -123,7 +123,7 @@ fn self_locking_has_no_solution() {
         rate: None,
     }];
     for (mu, belt, expected) in
-        [(0.7, -1.0, Outcome::NoSolution), (0.7, 1.0, Outcome::Converged), (0.5, -1.0, Outcome::Converged)]
+        [(0.7, -1.0, StepOutcome::NoSolution), (0.7, 1.0, StepOutcome::Converged), (0.5, -1.0, StepOutcome::Converged)]
     {
         let contacts = [floor(0, mu, belt)];
         let model = Model::new(&bodies, &joints, &[], &contacts, [0.0, -9.81]).unwrap();
@@ -131,7 +131,7 @@ fn self_locking_has_no_solution() {
         let before = state.clone();
         let report = step(&model, &Settings::new(1e-3), &[], &mut state, &mut Workspace::new());
         assert_eq!(report.outcome, expected, "mu {mu}, belt {belt}");
-        if expected == Outcome::NoSolution {
+        if expected == StepOutcome::NoSolution {
             assert_eq!(state, before);
             assert!(report.guesses < 100, "{report:?}");
         } else {
@@ -156,7 +156,7 @@ fn a_dry_hinge_sticks() {
         let mut workspace = Workspace::new();
         for _ in 0..1000 {
             let report = step(&model, &Settings::new(1e-5), &[], &mut state, &mut workspace);
-            assert_eq!(report.outcome, Outcome::Converged);
+            assert_eq!(report.outcome, StepOutcome::Converged);
         }
         if moves {
             // (0.981 - 0.9) / (0.05 + 0.1) rad/s2 for 10 ms; the arm shortens by (angle)2/2, 1e-9 of it.
@@ -175,11 +175,11 @@ fn refusals_leave_the_state() {
     let model = Model::new(&bodies, &[], &[], &[], [0.0, -9.81]).unwrap();
     let mut small = State::<f64, 1, 0>::new(&[]);
     let report = step(&model, &Settings::new(1e-3), &[], &mut small, &mut Workspace::new());
-    assert_eq!(report.outcome, Outcome::NoRoom);
+    assert_eq!(report.outcome, StepOutcome::NoRoom);
     let mut state = State::<f64, 2, 0>::new(&[]);
     for bad in [f64::NAN, f64::INFINITY] {
         let report = step(&model, &Settings::new(1e-3), &[[bad, 0.0, 0.0]], &mut state, &mut Workspace::new());
-        assert_eq!(report.outcome, Outcome::NonFinite);
+        assert_eq!(report.outcome, StepOutcome::NonFinite);
         assert_eq!(state, State::new(&[]));
     }
 }
@@ -265,7 +265,7 @@ fn a_tilted_stack_on_lines() {
         let settings = Settings { impact_law: law, ..Settings::new(1e-3) };
         for n in 0..1000 {
             let report = step(&model, &settings, &[], &mut state, &mut workspace);
-            assert_eq!(report.outcome, Outcome::Converged, "{law:?}, step {n}: {report:?}");
+            assert_eq!(report.outcome, StepOutcome::Converged, "{law:?}, step {n}: {report:?}");
             assert!(report.guesses < 1000 && report.residual < 1e-11, "{law:?}, step {n}: {report:?}");
             for c in 0..10 {
                 let [normal, friction] = model.contact_laws(c).map(|i| state.impulse[i]);
@@ -306,11 +306,11 @@ fn what_is_not_solved_is_told() {
     let mut nearly = 0;
     for n in 0..300 {
         let report = step(&model, &settings, &[], &mut state, &mut workspace);
-        if report.outcome == Outcome::Approximate {
+        if report.outcome == StepOutcome::Approximate {
             nearly += 1;
             assert!(report.solver == SolvedBy::Sweeps && report.residual > 1e-12, "step {n}: {report:?}");
         } else {
-            assert_eq!(report.outcome, Outcome::Converged, "step {n}");
+            assert_eq!(report.outcome, StepOutcome::Converged, "step {n}");
         }
         for c in 0..15 {
             for k in 0..2 {
@@ -334,7 +334,7 @@ fn stronges_law_with_several_contacts() {
     let mut state = State::<f64, 1, 4>::new(&[(at(0.0, 0.05, 0.0), [0.3, -1.0, 0.0])]);
     let settings = Settings { impact_law: ImpactLaw::Stronge, ..Settings::new(1e-6) };
     let report = step(&model, &settings, &[], &mut state, &mut Workspace::new());
-    assert!(report.outcome == Outcome::Converged && report.impact_ended, "{report:?}");
+    assert!(report.outcome == StepOutcome::Converged && report.impact_ended, "{report:?}");
     for (v, expected) in state.velocity[0].iter().zip([0.3, 0.6, 0.0]) {
         assert!((v - expected).abs() < 1e-12, "{:?}", state.velocity);
     }
@@ -364,7 +364,7 @@ fn stronges_law_with_several_contacts() {
         (at(2.0, 0.0, 0.0), [0.0; 3]),
     ]);
     let report = step(&model, &settings, &[], &mut state, &mut Workspace::new());
-    assert!(report.outcome == Outcome::Converged && report.impact_ended, "{report:?}");
+    assert!(report.outcome == StepOutcome::Converged && report.impact_ended, "{report:?}");
     let v = [0, 1, 2].map(|i| state.velocity[i][0]);
     assert!((v.iter().sum::<f64>() - 1.0).abs() < 1e-12 && report.impact_energy.abs() < 1e-10, "{v:?} {report:?}");
     // By Newton's equations of the two springs, solved by an independent integration at a step of 1e-5 of their time.
@@ -419,7 +419,7 @@ fn a_slot_may_end() {
         let mut workspace = Workspace::new();
         for _ in 0..1000 {
             let report = step(&model, &Settings::new(1e-3), &[], &mut state, &mut workspace);
-            assert_eq!(report.outcome, Outcome::Converged);
+            assert_eq!(report.outcome, StepOutcome::Converged);
         }
         let place = state.placement[0];
         let way = place.at[0] * c - place.at[1] * s;
@@ -442,7 +442,7 @@ fn strong_dampers_are_stable() {
     let mut state = State::<f64, 1, 3>::new(&[(at(0.0, 0.0, 0.0), [0.0, 0.0, 3.0])]);
     let report = step(&model, &Settings::new(1e-2), &[], &mut state, &mut Workspace::new());
     let a = 0.5 * 1e-2 * 600.0 / 0.02;
-    assert_eq!(report.outcome, Outcome::Converged);
+    assert_eq!(report.outcome, StepOutcome::Converged);
     assert!((state.velocity[0][2] / (3.0 * (1.0 - a) / (1.0 + a)) - 1.0).abs() < 1e-11, "{:?}", state.velocity);
     // A spring without length whose ends coincide: the midpoint rule, in any direction.
     let springs = [Spring {
@@ -458,7 +458,7 @@ fn strong_dampers_are_stable() {
     let mut state = State::<f64, 1, 0>::new(&[(at(0.0, 0.0, 0.0), [0.6, 0.8, 0.0])]);
     let report = step(&model, &Settings::new(1e-2), &[], &mut state, &mut Workspace::new());
     let b = 0.25 * 1e-4 * 1e9 / 0.5;
-    assert_eq!(report.outcome, Outcome::Converged);
+    assert_eq!(report.outcome, StepOutcome::Converged);
     for (v, v0) in state.velocity[0].iter().zip([0.6, 0.8]) {
         assert!((v - v0 * (1.0 - b) / (1.0 + b)).abs() < 1e-9, "{:?}", state.velocity);
     }
@@ -497,7 +497,7 @@ fn single_precision_works() {
     let mut workspace = Workspace::new();
     for _ in 0..100 {
         let report = step(&model, &Settings::new(0.01), &[], &mut state, &mut workspace);
-        assert_eq!(report.outcome, Outcome::Converged);
+        assert_eq!(report.outcome, StepOutcome::Converged);
     }
     let speed = state.velocity[0][0].hypot(state.velocity[0][1]);
     assert!((speed - 0.589_702_2).abs() < 1e-5, "{speed}");
@@ -541,7 +541,7 @@ fn a_table_carries_a_block() {
         let joints = [slide];
         let model = Model::new(&bodies, &joints, &[], &contacts, [0.0, -9.81]).unwrap();
         let report = step(&model, &Settings::new(h), &[], &mut state, &mut workspace);
-        assert_eq!(report.outcome, Outcome::Converged, "step {n}");
+        assert_eq!(report.outcome, StepOutcome::Converged, "step {n}");
         let [table, block] = [state.velocity[0][0], state.velocity[1][0]];
         assert!((table - 4.0 * t.min(0.5)).abs() < 1e-11, "{t}: {table}");
         let expected = (2.943 * t).min(2.0);
@@ -575,7 +575,7 @@ fn a_stack_in_single_precision() {
         let settings = Settings { impact_law: law, ..Settings::new(1e-3) };
         for n in 0..1000 {
             let report = step(&model, &settings, &[], &mut state, &mut workspace);
-            let sound = matches!(report.outcome, Outcome::Converged | Outcome::Approximate);
+            let sound = matches!(report.outcome, StepOutcome::Converged | StepOutcome::Approximate);
             assert!(sound && report.residual < 1e-3, "{law:?}, step {n}: {report:?}");
             for (c, k) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
                 let [normal, friction] = model.polygon_laws(c, k).map(|i| state.impulse[i]);

@@ -37,7 +37,7 @@ struct Mode {
     at: usize,
     mass_kg: f64,
     /// m omega^2, N/m.
-    stiffness_n_m: f64,
+    stiffness_n_per_m: f64,
 }
 
 /// What depends on the length of a step: all of it is prepared for both lengths, and that of one is in use.
@@ -47,7 +47,7 @@ struct Prepared {
     blocks: Vec<Block>,
     felts: Vec<Felt>,
     bridge: Option<Bridge>,
-    compliance_m_n: Between,
+    compliance_m_per_n: Between,
     sounds: [f64; POINTS],
 }
 
@@ -85,12 +85,12 @@ pub struct Strings {
     /// Where it moves.
     bridge: Option<Bridge>,
     /// T/L of all strings, N/m.
-    hold_n_m: f64,
+    hold_n_per_m: f64,
     /// Between the places, m/N: the static compliance of the modes that are not stepped, of all modes together, and A
     /// of the step.
-    beyond_m_n: Between,
-    static_m_n: Between,
-    compliance_m_n: Between,
+    beyond_m_per_n: Between,
+    static_m_per_n: Between,
+    compliance_m_per_n: Between,
     /// What a newton at each place adds to S in a step; and how far it would displace the bridge, m/N.
     sounds: [f64; POINTS],
     /// See [`Surfaces::follow`].
@@ -142,10 +142,10 @@ impl Strings {
             drifts_m: 0.0,
             rail: instrument.roles.pedal.map(|_| Rail::default()),
             bridge: None,
-            hold_n_m: instrument.strings.iter().map(|string| string.tension_n / string.length_m).sum(),
-            beyond_m_n: Between::default(),
-            static_m_n: Between::default(),
-            compliance_m_n: Between::default(),
+            hold_n_per_m: instrument.strings.iter().map(|string| string.tension_n / string.length_m).sum(),
+            beyond_m_per_n: Between::default(),
+            static_m_per_n: Between::default(),
+            compliance_m_per_n: Between::default(),
             sounds: [0.0; POINTS],
             statically: false,
             now_m: 0.0,
@@ -187,14 +187,14 @@ impl Strings {
         let blocks_of = |string: usize| (counts[string] as usize).div_ceil(WIDE);
         let first_of = |string: usize| (0..string).map(blocks_of).sum::<usize>();
         (self.modes, self.blocks) = (Vec::new(), vec![Block::default(); first_of(counts.len())]);
-        (self.beyond_m_n, self.static_m_n, self.compliance_m_n) =
+        (self.beyond_m_per_n, self.static_m_per_n, self.compliance_m_per_n) =
             (Between::default(), Between::default(), Between::default());
         for felt in &mut self.felts {
             felt.lay(first_of(felt.string), blocks_of(felt.string));
         }
         let moves = !self.bridge_modes.is_empty();
         let mut bridge_row = Row::new(0, if moves { self.blocks.len() } else { 0 });
-        let (mut bridge_n_m, mut answers_n_m) = (self.hold_n_m, 0.0);
+        let (mut bridge_n_per_m, mut answers_n_per_m) = (self.hold_n_per_m, 0.0);
         self.sounds = [0.0; POINTS];
         let share = 1.0 / self.strings.len() as f64;
         for (index, string) in self.strings.iter().enumerate() {
@@ -203,53 +203,54 @@ impl Strings {
             for n in 1..=count {
                 let omega = 2.0 * PI * string.partial_hz(n);
                 let shape = share * PianoString::shape(n, string.strike_m, string.length_m);
-                let stiffness_n_m = mass_kg * omega * omega;
+                let stiffness_n_per_m = mass_kg * omega * omega;
                 let [qq, qv, vq, vv] = free_motion(string, n, step_s);
-                let rests = shape / stiffness_n_m;
+                let rests = shape / stiffness_n_per_m;
                 let at = first_of(index) * WIDE + (n - 1) as usize;
                 let (block, place) = (&mut self.blocks[at / WIDE], at % WIDE);
                 (block.qq[place], block.qv[place], block.vq[place], block.vv[place]) = (qq, qv, vq, vv);
                 (block.fq[place], block.fv[place]) = (rests * (1.0 - qq), -rests * vq);
                 block.shape[place] = shape;
-                let bridge = if string.partial_hz(n) < REACH_HZ { string.bridge_n_m(n) } else { 0.0 };
+                let bridge = if string.partial_hz(n) < REACH_HZ { string.bridge_n_per_m(n) } else { 0.0 };
                 block.bridge[place] = bridge;
                 let mut shapes = [0.0; POINTS];
                 shapes[0] = shape;
                 if let Some(k) = felt {
-                    shapes[1 + k] = self.felts[k].set_mode(string, (n, shape), at, stiffness_n_m, &self.blocks);
+                    shapes[1 + k] = self.felts[k].set_mode(string, (n, shape), at, stiffness_n_per_m, &self.blocks);
                 }
                 for (p, of_p) in shapes.iter().enumerate() {
                     for (other, of_other) in shapes.iter().enumerate() {
-                        self.compliance_m_n[p][other] += of_p * (of_other / stiffness_n_m) * (1.0 - qq);
-                        self.static_m_n[p][other] += of_p * (of_other / stiffness_n_m);
+                        self.compliance_m_per_n[p][other] += of_p * (of_other / stiffness_n_per_m) * (1.0 - qq);
+                        self.static_m_per_n[p][other] += of_p * (of_other / stiffness_n_per_m);
                     }
-                    self.sounds[p] += of_p * (bridge / stiffness_n_m) * (1.0 - qq);
+                    self.sounds[p] += of_p * (bridge / stiffness_n_per_m) * (1.0 - qq);
                 }
                 if moves {
-                    bridge_row.set(at, bridge, stiffness_n_m, &self.blocks);
-                    bridge_n_m += bridge * bridge / stiffness_n_m;
-                    answers_n_m += bridge * bridge / stiffness_n_m * (1.0 - qq);
+                    bridge_row.set(at, bridge, stiffness_n_per_m, &self.blocks);
+                    bridge_n_per_m += bridge * bridge / stiffness_n_per_m;
+                    answers_n_per_m += bridge * bridge / stiffness_n_per_m * (1.0 - qq);
                 }
-                self.modes.push(Mode { string: index, n, at, mass_kg, stiffness_n_m });
+                self.modes.push(Mode { string: index, n, at, mass_kg, stiffness_n_per_m });
             }
-            self.beyond_m_n[0][0] += share * share * string.static_compliance_beyond(count);
+            self.beyond_m_per_n[0][0] += share * share * string.static_compliance_beyond(count);
             if let Some(k) = felt {
                 let [own, with_hammer] = self.felts[k].beyond(string, count);
-                self.beyond_m_n[1 + k][1 + k] += own;
-                self.beyond_m_n[0][1 + k] += share * with_hammer;
-                self.beyond_m_n[1 + k][0] += share * with_hammer;
+                self.beyond_m_per_n[1 + k][1 + k] += own;
+                self.beyond_m_per_n[0][1 + k] += share * with_hammer;
+                self.beyond_m_per_n[1 + k][0] += share * with_hammer;
             }
         }
-        self.bridge = moves.then(|| Bridge::new(&self.bridge_modes, bridge_row, bridge_n_m, answers_n_m, step_s));
+        self.bridge =
+            moves.then(|| Bridge::new(&self.bridge_modes, bridge_row, bridge_n_per_m, answers_n_per_m, step_s));
         let sounds_static: [f64; POINTS] = std::array::from_fn(|p| self.sounds_statically(p));
         for p in 0..POINTS {
             for other in 0..POINTS {
-                self.static_m_n[p][other] += self.beyond_m_n[p][other];
-                self.compliance_m_n[p][other] += self.beyond_m_n[p][other];
+                self.static_m_per_n[p][other] += self.beyond_m_per_n[p][other];
+                self.compliance_m_per_n[p][other] += self.beyond_m_per_n[p][other];
                 if let Some(bridge) = &self.bridge {
-                    self.compliance_m_n[p][other] += self.sounds[p] * bridge.per_newton() * self.sounds[other];
-                    self.static_m_n[p][other] +=
-                        sounds_static[p] * bridge.stands_m(1.0, self.hold_n_m) * sounds_static[other];
+                    self.compliance_m_per_n[p][other] += self.sounds[p] * bridge.per_newton() * self.sounds[other];
+                    self.static_m_per_n[p][other] +=
+                        sounds_static[p] * bridge.stands_m(1.0, self.hold_n_per_m) * sounds_static[other];
                 }
             }
         }
@@ -267,7 +268,7 @@ impl Strings {
     /// The part of a force at a place that stands on the bridge.
     fn sounds_statically(&self, point: usize) -> f64 {
         let bridge = |mode: &Mode| self.blocks[mode.at / WIDE].bridge[mode.at % WIDE];
-        self.modes.iter().map(|mode| self.shape(point, mode) * bridge(mode) / mode.stiffness_n_m).sum()
+        self.modes.iter().map(|mode| self.shape(point, mode) * bridge(mode) / mode.stiffness_n_per_m).sum()
     }
 
     /// What follows from where the modes are.
@@ -299,7 +300,7 @@ impl Strings {
     fn set_sums(&mut self, now: [f64; WIDE], free: [f64; WIDE], bridge: [f64; WIDE]) {
         (self.now_m, self.free_m, self.sum_n) = (added(now), added(free), added(bridge));
         for p in 0..=self.felts.len() {
-            self.now_m += self.beyond_m_n[0][p] * self.forces_n[p];
+            self.now_m += self.beyond_m_per_n[0][p] * self.forces_n[p];
         }
     }
 
@@ -324,7 +325,7 @@ impl Strings {
     fn step_all(&mut self) {
         let pressed = self.forces_n[1..=self.felts.len()].iter().any(|force| *force != 0.0);
         let rocks = self.rocks;
-        if !pressed && self.bridge.is_none() && rocks.iter().all(|rocks| rocks.stiff_n_m == 0.0) {
+        if !pressed && self.bridge.is_none() && rocks.iter().all(|rocks| rocks.stiff_n_per_m == 0.0) {
             self.step_modes(self.forces_n[0]);
             return;
         }
@@ -334,13 +335,13 @@ impl Strings {
         }
         // What the felts' rocking was before.
         let rocked: [f64; MAX_STRINGS] = std::array::from_fn(|k| match self.felts.get(k) {
-            Some(felt) if rocks[k].stiff_n_m > 0.0 => felt.rocking.now(&self.blocks),
+            Some(felt) if rocks[k].stiff_n_per_m > 0.0 => felt.rocking.now(&self.blocks),
             _ => 0.0,
         });
         self.step_modes(self.forces_n[0]);
         self.press_felts();
         for (k, felt) in self.felts.iter().enumerate() {
-            if rocks[k].stiff_n_m > 0.0 {
+            if rocks[k].stiff_n_per_m > 0.0 {
                 self.rocked_j += felt.rock(&rocks[k], rocked[k], &mut self.blocks);
             }
         }
@@ -394,7 +395,7 @@ impl Strings {
         match point.checked_sub(1) {
             None => self.now_m,
             Some(k) => {
-                let beyond = |p: usize| self.beyond_m_n[point][p] * self.forces_n[p];
+                let beyond = |p: usize| self.beyond_m_per_n[point][p] * self.forces_n[p];
                 self.felts[k].row.now(&self.blocks) + (0..POINTS).map(beyond).sum::<f64>()
             }
         }
@@ -402,12 +403,12 @@ impl Strings {
 
     /// The felts that rock, by their strings' places among them.
     fn rocking(&self) -> impl Iterator<Item = (usize, &Rocks)> {
-        self.rocks.iter().enumerate().filter(|(_, rocks)| rocks.stiff_n_m > 0.0)
+        self.rocks.iter().enumerate().filter(|(_, rocks)| rocks.stiff_n_per_m > 0.0)
     }
 
     /// By how much a newton at a place rocks a felt in a step, m/N.
     fn rocked_by(&self, felt: usize, point: usize) -> f64 {
-        let [hammer, own] = self.felts[felt].rocked_by_m_n;
+        let [hammer, own] = self.felts[felt].rocked_by_m_per_n;
         let alone = match point {
             0 => hammer,
             _ if point == 1 + felt => own,
@@ -421,7 +422,7 @@ impl Strings {
 
     /// How much smaller the compliance of two places is in a step because felts are rocked by it, m/N; with a bridge
     /// that moves.
-    fn held_m_n(&self, a: usize, b: usize) -> f64 {
+    fn held_m_per_n(&self, a: usize, b: usize) -> f64 {
         let of = |k: usize| -> f64 { self.rocking().map(|(l, _)| self.coupling[k][l] * self.rocked_by(l, b)).sum() };
         self.rocking().map(|(k, _)| self.rocked_by(k, a) * of(k)).sum()
     }
@@ -430,7 +431,7 @@ impl Strings {
     fn rest_of(&self, mode: &Mode, bridge_m: f64) -> f64 {
         let pressed: f64 = (0..=self.felts.len()).map(|p| self.shape(p, mode) * self.forces_n[p]).sum();
         let bridge = self.blocks[mode.at / WIDE].bridge[mode.at % WIDE] * bridge_m;
-        (pressed + bridge) / mode.stiffness_n_m
+        (pressed + bridge) / mode.stiffness_n_per_m
     }
 
     /// Where the bridge stands under the forces that are set, m, and the strings' force on it then, N.
@@ -440,8 +441,8 @@ impl Strings {
             .filter(|p| self.forces_n[*p] != 0.0)
             .map(|p| self.sounds_statically(p) * self.forces_n[p])
             .sum();
-        let stands_m = bridge.stands_m(pressed, self.hold_n_m);
-        [stands_m, pressed - self.hold_n_m * stands_m]
+        let stands_m = bridge.stands_m(pressed, self.hold_n_per_m);
+        [stands_m, pressed - self.hold_n_per_m * stands_m]
     }
 
     /// Puts every mode where it rests under the forces that are set.
@@ -473,7 +474,7 @@ impl Strings {
             let rest = self.rest_of(&mode, bridge_m);
             let (block, place) = (&mut self.blocks[mode.at / WIDE], mode.at % WIDE);
             let (q, v) = (block.q[place] - rest, block.v[place]);
-            let own_j = 0.5 * (mode.mass_kg * v * v + mode.stiffness_n_m * q * q);
+            let own_j = 0.5 * (mode.mass_kg * v * v + mode.stiffness_n_per_m * q * q);
             if own_j < MODE_STILL_J {
                 (block.q[place], block.v[place]) = (rest, 0.0);
             }

@@ -84,7 +84,7 @@ impl Strings {
                 blocks: self.blocks.clone(),
                 felts: self.felts.clone(),
                 bridge: self.bridge.take(),
-                compliance_m_n: self.compliance_m_n,
+                compliance_m_per_n: self.compliance_m_per_n,
                 sounds: self.sounds,
             })
         });
@@ -101,7 +101,7 @@ impl Strings {
         std::mem::swap(&mut self.blocks, &mut other.blocks);
         std::mem::swap(&mut self.felts, &mut other.felts);
         std::mem::swap(&mut self.bridge, &mut other.bridge);
-        std::mem::swap(&mut self.compliance_m_n, &mut other.compliance_m_n);
+        std::mem::swap(&mut self.compliance_m_per_n, &mut other.compliance_m_per_n);
         std::mem::swap(&mut self.sounds, &mut other.sounds);
         self.go_on_from(&other.blocks, other.bridge.as_ref());
         self.other = Some(other);

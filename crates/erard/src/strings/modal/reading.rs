@@ -119,14 +119,14 @@ impl Strings {
     /// Energy of a mode, J.
     pub(super) fn mode_energy_j(&self, mode: &Mode) -> f64 {
         let [q, v] = self.mode_now(mode.at);
-        0.5 * (mode.mass_kg * v * v + mode.stiffness_n_m * q * q)
+        0.5 * (mode.mass_kg * v * v + mode.stiffness_n_per_m * q * q)
     }
 
     /// Energy of the modes, of the bridge and of what follows statically, J.
     pub(super) fn energy_j(&self) -> f64 {
         let modes: f64 = self.modes.iter().map(|mode| self.mode_energy_j(mode)).sum();
         let mut beyond = 0.0;
-        for (row, force_n) in self.beyond_m_n.iter().zip(&self.forces_n) {
+        for (row, force_n) in self.beyond_m_per_n.iter().zip(&self.forces_n) {
             for (compliance, other_n) in row.iter().zip(&self.forces_n) {
                 beyond += 0.5 * compliance * force_n * other_n;
             }

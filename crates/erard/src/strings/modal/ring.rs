@@ -8,7 +8,7 @@ impl Strings {
     pub(super) fn untouched(&self) -> bool {
         self.bridge.is_none()
             && self.forces_n.iter().all(|force_n| *force_n == 0.0)
-            && self.rocks.iter().all(|rocks| rocks.stiff_n_m == 0.0)
+            && self.rocks.iter().all(|rocks| rocks.stiff_n_per_m == 0.0)
     }
 
     /// Whether each mode moves freely, and no damper is moved.
@@ -36,7 +36,7 @@ impl Strings {
 
     /// Largest swing of a mode if nothing touches it, m: its energy does not grow.
     fn amplitude_m(&self, mode: &Mode) -> f64 {
-        (2.0 * self.mode_energy_j(mode) / mode.stiffness_n_m).sqrt()
+        (2.0 * self.mode_energy_j(mode) / mode.stiffness_n_per_m).sqrt()
     }
 
     /// How far each place swings at most, with all modes in step, m; unknown while something touches the strings.
@@ -58,7 +58,7 @@ impl Strings {
     /// touches make no larger one from now on.
     #[must_use]
     pub fn largest_bridge_n(&self) -> f64 {
-        let bridge_n_m = |mode: &Mode| self.blocks[mode.at / WIDE].bridge[mode.at % WIDE];
-        self.modes.iter().map(|mode| bridge_n_m(mode).abs() * self.amplitude_m(mode)).sum()
+        let bridge_n_per_m = |mode: &Mode| self.blocks[mode.at / WIDE].bridge[mode.at % WIDE];
+        self.modes.iter().map(|mode| bridge_n_per_m(mode).abs() * self.amplitude_m(mode)).sum()
     }
 }

@@ -82,42 +82,42 @@ impl Surfaces for Strings {
         }
         let displacement = self.point_now(index);
         if self.statically {
-            return Surface { displacement, free: 0.0, compliance: self.static_m_n[index][index] };
+            return Surface { displacement, free: 0.0, compliance: self.static_m_per_n[index][index] };
         }
         let alone = index.checked_sub(1).map_or(self.free_m, |k| self.felts[k].row.free(&self.blocks));
-        let mut compliance = self.compliance_m_n[index][index];
+        let mut compliance = self.compliance_m_per_n[index][index];
         if self.bridge.is_some() {
             let mut free = alone + self.sounds[index] * self.drifts_m;
             for (k, _) in self.rocking() {
                 let held_n: f64 = self.rocking().map(|(l, rocks)| self.coupling[k][l] * rocks.drift_m).sum();
                 free -= self.rocked_by(k, index) * held_n;
             }
-            return Surface { displacement, free, compliance: compliance - self.held_m_n(index, index) };
+            return Surface { displacement, free, compliance: compliance - self.held_m_per_n(index, index) };
         }
         let mut free = alone;
         for (k, rocks) in self.rocking() {
             let rocked = self.rocked_by(k, index);
-            free -= rocked * rocks.stiff_n_m * rocks.drift_m;
-            compliance -= rocked * rocks.stiff_n_m * rocked;
+            free -= rocked * rocks.stiff_n_per_m * rocks.drift_m;
+            compliance -= rocked * rocks.stiff_n_per_m * rocked;
         }
         Surface { displacement, free, compliance }
     }
 
     fn coupled(&self, compliance: &mut Between, forces: &mut [f64; POINTS]) -> usize {
         *forces = self.forces_n;
-        *compliance = self.static_m_n;
+        *compliance = self.static_m_per_n;
         if !self.statically {
-            *compliance = self.compliance_m_n;
+            *compliance = self.compliance_m_per_n;
             if self.bridge.is_some() {
                 for (a, row) in compliance.iter_mut().enumerate().take(1 + self.felts.len()) {
                     for (b, gives) in row.iter_mut().enumerate().take(1 + self.felts.len()).filter(|(b, _)| *b != a) {
-                        *gives -= self.held_m_n(a, b);
+                        *gives -= self.held_m_per_n(a, b);
                     }
                 }
                 return if self.felts.is_empty() { 0 } else { 1 + self.felts.len() };
             }
             for (k, rocks) in self.rocking() {
-                let less = self.rocked_by(k, 0) * rocks.stiff_n_m * self.rocked_by(k, 1 + k);
+                let less = self.rocked_by(k, 0) * rocks.stiff_n_per_m * self.rocked_by(k, 1 + k);
                 compliance[0][1 + k] -= less;
                 compliance[1 + k][0] -= less;
             }
