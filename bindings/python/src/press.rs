@@ -5,7 +5,7 @@ use std::sync::Arc;
 use erard::Impact;
 use erard::one_dof::reduce;
 use erard::player::{Inside, Loss, LossRecorder, ReactionRecorder};
-use erard::run::{BodySeries, Events, Run, ZoneSeries, column_unit};
+use erard::run::{BodySeries, Events, LiftSeries, Run, ZoneSeries, column_unit};
 use erard::run::{Setup, simulate, simulate_observed};
 use erard::trust::Warning;
 use erard_figures::figure::run_picture;
@@ -123,6 +123,8 @@ fn parts<'py>(py: Python<'py>, run: Run) -> PyResult<(Bound<'py, PyDict>, Bound<
     about.set_item("energy", energy(py, &run)?)?;
     about.set_item("warnings", run.warnings.iter().map(Warning::to_string).collect::<Vec<_>>())?;
     about.set_item("bodies", run.bodies.iter().map(|body| body.name.clone()).collect::<Vec<_>>())?;
+    let lifts = run.lifts.iter().map(|lift| (lift.name.clone(), lift.pin.clone()));
+    about.set_item("lifts", lifts.collect::<Vec<_>>())?;
     let zones = run.zones.iter().map(|zone| (zone.name.clone(), zone.label.clone(), zone.has_friction));
     about.set_item("zones", zones.collect::<Vec<_>>())?;
     // The same names and order as everywhere; the vectors themselves go to Python.
@@ -135,6 +137,7 @@ fn parts<'py>(py: Python<'py>, run: Run) -> PyResult<(Bound<'py, PyDict>, Bound<
     let values = [run.time_s, run.force_n, run.key_m, run.hammer_rise_m, run.hammer_rise_m_per_s]
         .into_iter()
         .chain(bodies)
+        .chain(run.lifts.into_iter().map(|lift| lift.lift_m))
         .chain(zones);
     let values = values.chain(run.strings.into_iter().flat_map(|s| [s.displacement_m, s.bridge_n]));
     let columns = PyDict::new(py);
@@ -184,6 +187,7 @@ pub(crate) fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, tit
     let item = |key: &str| about.get_item(key)?.ok_or_else(|| fault::wrong(format!("a run without `{key}`")));
     let bodies: Vec<String> = item("bodies")?.extract()?;
     let zones: Vec<(String, String, bool)> = item("zones")?.extract()?;
+    let lifts: Vec<(String, String)> = item("lifts")?.extract()?;
     let happened = item("events")?;
     let event = |name: &str| -> PyResult<Option<f64>> { happened.get_item(name)?.extract() };
     let impacts: Vec<(f64, f64)> = item("impacts")?.extract()?;
@@ -212,6 +216,10 @@ pub(crate) fn figure(columns: &Bound<'_, PyDict>, about: &Bound<'_, PyDict>, tit
                     (column(&format!("{name}_N"))?, column(&format!("{name}_tangential_N"))?);
                 Ok(ZoneSeries { name, label, normal_n, tangential_n, has_friction, contact: Vec::new() })
             })
+            .collect::<PyResult<_>>()?,
+        lifts: lifts
+            .into_iter()
+            .map(|(name, pin)| Ok(LiftSeries { lift_m: column(&format!("{name}_lift_m"))?, name, pin }))
             .collect::<PyResult<_>>()?,
         strings: None,
         events: Events {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use erard::run::{Run, Setup};
+use erard::run::{LiftSeries, Run, Setup};
 use erard::stroke::Prescribed;
 use erard::trust::Warning;
 use erard_workshop::compare::ForceUncertainty;
@@ -41,6 +41,17 @@ fn why_no_impact(summary: &Value) -> &'static str {
         (true, _) => "the jack met its button, but was not pushed out",
         _ => "the key did not go down to let-off",
     }
+}
+
+/// The largest lift of each pivot that lies on a zone, above its place at the start of the run.
+fn lifts(run: &Run) -> Value {
+    let of = |lift: &LiftSeries| {
+        let rest_m = lift.lift_m.first().copied().unwrap_or_default();
+        let largest = lift.lift_m.iter().zip(&run.time_s).max_by(|a, b| a.0.total_cmp(b.0));
+        let (largest_m, at_s) = largest.map_or((0.0, 0.0), |(lift_m, at_s)| (lift_m - rest_m, *at_s));
+        json!({ "body": lift.name, "largest_m": largest_m, "largest_at_s": at_s })
+    };
+    run.lifts.iter().map(of).collect()
 }
 
 /// The numbers of a run.
@@ -116,6 +127,7 @@ impl Summary {
             "smallest_dissipation_J": booked(|l| l.smallest_term),
             "final_pivot_friction_N_m": run.final_pivot_friction_n_m,
             "impacts": impacts.collect::<Value>(),
+            "lifts": lifts(run),
             "force_worth": Value::Null,
             "trusted": run.is_trusted(),
             "warnings": run.warnings,
@@ -147,6 +159,12 @@ impl Summary {
         let impacts = json["impacts"].as_array().map_or(0, Vec::len);
         if impacts > 1 && !one_dof {
             lines.insert(6, ("impacts on the string", impacts.to_string()));
+        }
+        for lift in json["lifts"].as_array().into_iter().flatten() {
+            let [largest_mm, at_ms] =
+                ["largest_m", "largest_at_s"].map(|key| lift[key].as_f64().unwrap_or(f64::NAN) * 1e3);
+            let name = lift["body"].as_str().unwrap_or_default();
+            lines.push(("lift from the rail", format!("{largest_mm:.2} mm at {at_ms:.2} ms ({name})")));
         }
         let uncertainty = &json["force_worth"];
         if let Some(rms_n) = uncertainty["force_rms_N"].as_f64() {

@@ -28,6 +28,10 @@ pub(crate) fn run_figure<'a>(run: &'a Run, stroke: &str) -> Figure<'a> {
     if !angles.is_empty() {
         panels.push(panel(run, ("angle", "°"), 130.0, angles));
     }
+    if !run.lifts.is_empty() {
+        let lifts = run.lifts.iter().map(|lift| (part(&lift.name), scaled(&lift.lift_m, 1e3)));
+        panels.push(panel(run, ("lift", "mm"), 90.0, lifts.collect::<Vec<_>>()));
+    }
     if let Some(strings) = &run.strings {
         let under = scaled(&strings.displacement_m, 1e3);
         panels.push(panel(run, ("string", "mm"), 110.0, [("under the hammer, up", under)]));
@@ -94,12 +98,13 @@ pub(crate) fn windows(run: &Run) -> Vec<Window> {
 }
 
 /// Angles against the start, of the bodies that the other panels do not show: neither the key, of one part or two that
-/// bend, nor the hammer. Without roles in a [`Run`], the bodies are identified by name; a mechanism without these names
-/// shows them all.
+/// bend, nor the pin from which it lifts, nor the hammer. Without roles in a [`Run`], the bodies are identified by
+/// name; a mechanism without these names shows them all.
 fn angles(run: &Run) -> Vec<(&str, Cow<'_, [f64]>)> {
     run.bodies
         .iter()
         .filter(|body| !["key", "key_back", "hammer"].contains(&body.name.as_str()))
+        .filter(|body| run.lifts.iter().all(|lift| lift.pin != body.name))
         .map(|body| {
             let start = body.angle_rad.first().copied().unwrap_or(0.0);
             let turned = body.angle_rad.iter().map(|angle| (angle - start).to_degrees());
@@ -112,6 +117,7 @@ fn angles(run: &Run) -> Vec<(&str, Cow<'_, [f64]>)> {
 fn part(name: &str) -> &str {
     match name {
         "lever" => "repetition lever",
+        "key_back" => "key at the balance rail, up",
         "shank" => "hammer shank",
         other => other,
     }

@@ -50,6 +50,9 @@ impl Sampling {
             known.push((format!("{}_rad", body.name), Column::Angle(i)));
             known.push((format!("{}_rad_per_s", body.name), Column::Rate(i)));
         }
+        for (_, body) in instrument.lying() {
+            known.push((format!("{}_lift_m", instrument.bodies[body].name), Column::OfRun));
+        }
         for zone in &instrument.zones {
             known.push((format!("{}_N", zone.name), Column::OfRun));
             if zone.friction_coefficient > 0.0 {

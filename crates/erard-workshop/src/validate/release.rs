@@ -99,9 +99,10 @@ impl Course {
         if let Some(HandStroke { hand, .. }) = hand {
             action.place_hand(hand.start_m, hand.start_m_per_s);
         }
-        let back = instrument.roles.key.map(|key| instrument.first_piece(key));
-        let at =
-            |action: &Action| action.point(back, [SENSOR_M, 0.0])[1] * (instrument.roles.key_front_m[0] / -SENSOR_M);
+        let back = instrument.roles.key.map(|key| instrument.first_piece(key)).transpose()?;
+        let lever = instrument.roles.key_front_m[0] / -SENSOR_M;
+        // The back is a body of this action.
+        let at = |action: &Action| action.point(back, [SENSOR_M, 0.0]).map_or(f64::NAN, |[_, y]| y * lever);
         let rest_m = at(&action);
         let mut course = Course { key_m: Vec::new(), hammer_m: Vec::new() };
         let mut step = 0_u64;

@@ -137,7 +137,7 @@ fn damper_resistance(sheet: &Sheet) -> Option<f64> {
 /// Friction weight of the key alone, stack off, at its front, g: the dry torque of its pins, which is what half the
 /// difference of its down-weight and its up-weight reads. `None` without a key.
 pub(super) fn key_friction_weight_g(instrument: &Instrument) -> Option<f64> {
-    let pinned = &instrument.bodies[instrument.first_piece(instrument.roles.key?)];
+    let pinned = &instrument.bodies[instrument.first_piece(instrument.roles.key?).ok()?];
     let front_m = instrument.roles.key_front_m[0].abs();
     Some(1e3 * pinned.friction_torque_n_m / (front_m * instrument.gravity_m_per_s2))
 }

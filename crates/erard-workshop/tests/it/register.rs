@@ -88,6 +88,7 @@ pivot_mm = [100, 50]
 mass_g = 10
 inertia_kg_m2 = 2e-4
 center_of_mass_mm = [-100, 1]
+pin_friction_N = 0.1
 [[spring]]
 name = "return"
 body = "hammer"
@@ -110,6 +111,11 @@ felt = {{ {plain} }}
 name = "string"
 disc = {{ body = "hammer", center_mm = [-130, 20], radius_mm = 8 }}
 line = {{ body = "ground", point_mm = [-30, 120], normal = [0.1, -1] }}
+felt = {{ {plain} }}
+[[zone]]
+name = "rail"
+disc = {{ body = "hammer", center_mm = [0, 0] }}
+line = {{ body = "ground", point_mm = [100, 50.1], normal = [0, 1] }}
 felt = {{ {plain} }}
 [[zone]]
 name = "damper"

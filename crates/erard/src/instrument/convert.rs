@@ -13,7 +13,7 @@ use super::quantity::{At, KeyName, Num, Pair, Positive, Real};
 use super::reader::{G_PER_KG, GROUND, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name, title};
 use super::strings::{read_bridge, read_strings};
 use super::{
-    Body, Curve, DrawnPart, Dwell, Finger, Instrument, InstrumentFields, MAX_BODIES, MAX_CORNERS, MAX_PARTS,
+    Body, Bushing, Curve, DrawnPart, Dwell, Finger, Instrument, InstrumentFields, MAX_BODIES, MAX_CORNERS, MAX_PARTS,
     MAX_SCREWS, MAX_SPRINGS, MAX_ZONES, Origin, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
 };
 use crate::key::{EXPECTED, key_named};
@@ -153,33 +153,56 @@ fn read_bodies(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &mu
 /// Adds the bushings. It shifts the indices of bodies, so everything that names bodies must have been read before.
 fn read_bushings(tables: &[At<BodyToml>], reader: &mut Reader<'_>, instrument: &mut Instrument) -> Result<(), Fault> {
     for table in tables {
-        let Some(stiffness) = &table.bushing_n_per_m else {
-            if let Some(damping) = &table.bushing_n_s_per_m {
-                let message = "this key needs another one";
-                return Err(Fault::at(damping.span(), message, "`bushing_N_per_m` beside it"));
-            }
-            continue;
-        };
-        let n_per_m = reader.scalar(stiffness, FileNumber::BUSHING_STIFFNESS)?;
-        let n_s_per_m = reader.scalar_or_zero(table.bushing_n_s_per_m.as_ref(), FileNumber::BUSHING_DAMPING)?;
+        let Some((bushing, span)) = read_bushing(table, reader)? else { continue };
         let body = index_of(&table.name, "body", instrument.bodies.iter().map(|body| body.name.as_str()))?;
         if instrument.bodies[body].is_bend {
             let expected = "a bushing on the piece that has the part's own pivot";
-            return Err(Fault::at(stiffness.span(), "a bend has no pin for a bushing", expected));
+            return Err(Fault::at(span, "a bend has no pin for a bushing", expected));
         }
-        let name = instrument.bushing_name(body);
+        if matches!(bushing, Bushing::Pin { .. }) && instrument.lies_on(body).is_none() {
+            let on = instrument.bodies[body].parent.map_or(GROUND, |parent| &instrument.bodies[parent].name);
+            let expected =
+                format!("a [[zone]] whose disc is on `{}` at its pivot, [0, 0], and its line on `{on}`", *table.name);
+            return Err(Fault::at(span, "nothing holds this pivot along its pin", expected));
+        }
+        let name = instrument.bushing_name(body, bushing);
         let taken = instrument.bodies.iter().map(|b| &b.name).chain(instrument.springs.iter().map(|s| &s.name));
         if taken.into_iter().any(|other| *other == name) {
             let message = format!("`{name}` is taken: the reader gives this bushing that name");
-            return Err(Fault::at(stiffness.span(), message, "another name for that one"));
+            return Err(Fault::at(span, message, "another name for that one"));
         }
-        if instrument.bodies.len() >= MAX_BODIES || instrument.springs.len() >= MAX_SPRINGS {
+        let needs_spring = matches!(bushing, Bushing::Cloth { .. });
+        if instrument.bodies.len() >= MAX_BODIES || (needs_spring && instrument.springs.len() >= MAX_SPRINGS) {
             let expected = format!("at most {MAX_BODIES} bodies and {MAX_SPRINGS} springs, one of each per bushing");
-            return Err(Fault::at(stiffness.span(), "there is no room for a bushing", expected));
+            return Err(Fault::at(span, "there is no room for a bushing", expected));
         }
-        *instrument = instrument.with_bushing_at(body, n_per_m, n_s_per_m);
+        *instrument = instrument.with_bushing_at(body, bushing);
     }
     Ok(())
+}
+
+/// Reads the bushing of a body, and the place of the key that asks for it.
+fn read_bushing(table: &BodyToml, reader: &mut Reader<'_>) -> Result<Option<(Bushing, Range<usize>)>, Fault> {
+    match (&table.bushing_n_per_m, &table.bushing_n_s_per_m, &table.pin_friction_n) {
+        (None, None, None) => Ok(None),
+        (None, Some(damping), _) => {
+            let message = "this key needs another one";
+            Err(Fault::at(damping.span(), message, "`bushing_N_per_m` beside it"))
+        }
+        (Some(_), _, Some(friction)) => {
+            let expected = "either `bushing_N_per_m` or `pin_friction_N`";
+            Err(Fault::at(friction.span(), "a pivot has one bushing", expected).found("both"))
+        }
+        (None, None, Some(friction)) => {
+            let friction_n = reader.scalar(friction, FileNumber::PIN_FRICTION)?;
+            Ok(Some((Bushing::Pin { friction_n }, friction.span())))
+        }
+        (Some(stiffness), damping, None) => {
+            let n_per_m = reader.scalar(stiffness, FileNumber::BUSHING_STIFFNESS)?;
+            let n_s_per_m = reader.scalar_or_zero(damping.as_ref(), FileNumber::BUSHING_DAMPING)?;
+            Ok(Some((Bushing::Cloth { n_per_m, n_s_per_m }, stiffness.span())))
+        }
+    }
 }
 
 /// Reads the two keys of friction that grows at rest. They must be given together, and only beside a friction greater

@@ -65,6 +65,8 @@ numbers! {
     BUSHING_STIFFNESS "body.*" "bushing_N_per_m" "N/m" [1e2, 1e9]
     /// Damping of a pivot's bushing.
     BUSHING_DAMPING "body.*" "bushing_N_s_per_m" "N s/m" [0.0, 1e6]
+    /// Dry friction along the pin of a pivot that can lift.
+    PIN_FRICTION "body.*" "pin_friction_N" "N" [0.0, 1e6]
     /// Angles that a body's stops allow.
     BODY_TURN "body.*" "turn_deg" "degrees" [-360.0, 360.0]
     /// Torque of a spring as drawn.

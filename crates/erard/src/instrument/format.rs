@@ -45,7 +45,7 @@ pub(crate) struct InstrumentToml {
     /// The sources that numbers cite, by name.
     #[serde(default)]
     pub sources: BTreeMap<String, Source>,
-    /// Rigid bodies, from 1 to 12; each bushing counts as one more.
+    /// Rigid bodies, from 1 to 12; each bushing and each sliding pin counts as one more.
     #[schemars(length(min = 1, max = MAX_BODIES))]
     pub body: Vec<At<BodyToml>>,
     /// Torsion springs at pivots, at most 24; each bushing counts as one more.
@@ -123,6 +123,13 @@ pub(crate) struct BodyToml {
     /// Damping of the bushing, N s/m; 0 when absent. Requires `bushing_N_per_m`.
     #[serde(rename = "bushing_N_s_per_m")]
     pub bushing_n_s_per_m: Option<Num<NonNegative>>,
+    /// Dry friction along the pin, N, of a pivot that is free along it: it can move at right angles to the x axis of
+    /// the body that carries the hinge (up and down on the ground), and lies on a zone, which can only push. This
+    /// zone's disc is on this body, within 10 mm of the pivot, and its `line` on the body that carries the hinge. A key
+    /// lies so on the punching of its balance rail. The reader adds a body (an arm of 1 m), `<name>_pin`. Not beside
+    /// `bushing_N_per_m`.
+    #[serde(rename = "pin_friction_N")]
+    pub pin_friction_n: Option<Num<NonNegative>>,
     /// True if the hinge represents the bending of wood: this body and the one that carries it are two pieces of one
     /// part, such as a key or a shank. A `[[spring]]` on this body gives the stiffness. Results for weights or rigid
     /// geometry treat both pieces as one body. False when absent.

@@ -43,6 +43,7 @@ pub mod serde_fault;
 mod strings;
 mod tuning;
 
+pub use bushing::Bushing;
 pub use checked::InvalidInstrument;
 pub use error::FileError;
 pub use file::{InstrumentFile, MAX_FILE_BYTES, UnknownInstrument, file_bytes, utf8};

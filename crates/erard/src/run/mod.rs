@@ -19,6 +19,17 @@ use moreau::Ledger;
 use crate::parameter::Quantity;
 use crate::trust::{Extremes, Warning};
 
+/// Motion of a pivot along its pin, of a body that lies on a zone ([`crate::instrument::Bushing::Pin`]).
+#[derive(Debug, Clone, Default)]
+pub struct LiftSeries {
+    /// Name of the body that lies.
+    pub name: String,
+    /// Name of the body that represents its pin.
+    pub pin: String,
+    /// Rise of its pivot from the drawn place, m, up positive. At rest it is near zero: the body presses on its zone.
+    pub lift_m: Vec<f64>,
+}
+
 /// A recorded run. All series have the same length; SI units; key and force positive downward (pushing).
 ///
 /// Angles and velocities are those at the row's instant; forces are the mean of the steps before and after it, which is
@@ -41,6 +52,8 @@ pub struct Run {
     pub bodies: Vec<BodySeries>,
     /// One series per zone.
     pub zones: Vec<ZoneSeries>,
+    /// Lifts of the pivots that lie on a zone; empty where none does.
+    pub lifts: Vec<LiftSeries>,
     /// The strings, where they yield.
     pub strings: Option<StringSeries>,
     /// Instants.
@@ -78,6 +91,9 @@ impl Run {
         for body in &self.bodies {
             columns.push((format!("{}_rad", body.name), &body.angle_rad));
             columns.push((format!("{}_rad_per_s", body.name), &body.rate_rad_per_s));
+        }
+        for lift in &self.lifts {
+            columns.push((format!("{}_lift_m", lift.name), &lift.lift_m));
         }
         for zone in &self.zones {
             columns.push((format!("{}_N", zone.name), &zone.normal_n));

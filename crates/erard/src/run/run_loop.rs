@@ -7,12 +7,12 @@ use crate::events::EventDetector;
 use crate::instrument::Instrument;
 use crate::mechanism::{MAX_STEP_S, Mechanism, Readout, StepOutput};
 use crate::player::rest::{RIGID_CORRECTION_S, Rest};
-use crate::player::{Action, ControlWork, Drive, LedgerBook, Observer, Recorded, Recorder, Work};
+use crate::player::{Action, BodySeries, ControlWork, Drive, LedgerBook, Observer, Recorded, Recorder, Work};
 use crate::progress::{ASK_EVERY, Progress};
 use crate::trust::{Extremes, Struck, assess};
 
-use super::Run;
 use super::setup::{MAX_ROWS, Setup, SimulationError};
+use super::{LiftSeries, Run};
 
 /// Smallest step of an error-controlled run, s: in the step in which friction reverses the error is friction times the
 /// part of the step before, which is to be below the smallest tolerance. A few such steps do not spoil a sum of
@@ -175,6 +175,7 @@ impl<'a> RunLoop<'a> {
             key_m,
             hammer_rise_m,
             hammer_rise_m_per_s,
+            lifts: lifts(instrument, &bodies),
             bodies,
             zones,
             strings,
@@ -187,6 +188,22 @@ impl<'a> RunLoop<'a> {
             warnings,
         }
     }
+}
+
+/// Lifts of the pivots that slide along a pin, from the recorded angles of their arms.
+fn lifts(instrument: &Instrument, bodies: &[BodySeries]) -> Vec<LiftSeries> {
+    let drawn_rad = |body: usize| instrument.bodies[body].angle_rad;
+    let of = |(arm, lying): (usize, usize)| {
+        let carrier = instrument.bodies[arm].parent;
+        let from_rad = drawn_rad(arm) - carrier.map_or(0.0, drawn_rad);
+        let lift_m = bodies[arm].angle_rad.iter().enumerate().map(|(row, angle)| {
+            let carrier_rad = carrier.map_or(0.0, |carrier| bodies[carrier].angle_rad[row]);
+            instrument.lift_m(arm, angle - carrier_rad - from_rad)
+        });
+        let name = |body: usize| instrument.bodies[body].name.clone();
+        LiftSeries { name: name(lying), pin: name(arm), lift_m: lift_m.collect() }
+    };
+    instrument.lying().map(of).collect()
 }
 
 impl Observers<'_> {

@@ -65,6 +65,8 @@ pub enum WarningKind {
     FeltBeyondThickness,
     /// A body turned beyond its stops.
     TurnBeyondStops,
+    /// A pivot moved further along its pin than the model holds for.
+    LiftBeyondPin,
     /// The hammer met the string faster than any real hammer.
     HammerSpeed,
     /// The hammer's contact with modal strings took too few steps.
@@ -90,6 +92,7 @@ impl WarningKind {
             WarningKind::UnconvergedSteps => "unconverged_steps",
             WarningKind::FeltBeyondThickness => "felt_beyond_thickness",
             WarningKind::TurnBeyondStops => "turn_beyond_stops",
+            WarningKind::LiftBeyondPin => "lift_beyond_pin",
             WarningKind::HammerSpeed => "hammer_speed",
             WarningKind::ContactSteps => "contact_steps",
             WarningKind::PartialsBeyondStep => "partials_beyond_step",
@@ -322,12 +325,17 @@ fn of_felts<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iter
 
 /// Bodies that turned further than their stops let them.
 fn of_turns<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iterator<Item = Warning> + 'a {
-    instrument.bodies.iter().zip(&extremes.turned).filter_map(|(body, [lowest, highest])| {
+    instrument.bodies.iter().enumerate().zip(&extremes.turned).filter_map(|((index, body), [lowest, highest])| {
         let [low, high] = body.turn_rad?;
         // The worse of both sides.
         let (furthest, bound) =
             if highest.value - high >= low - lowest.value { (highest, high) } else { (lowest, low) };
         let beyond = furthest.value > high || furthest.value < low;
+        if let Some((_, lying)) = instrument.lying().find(|(arm, _)| *arm == index) {
+            let lift_m = |rad: f64| instrument.lift_m(index, rad);
+            return beyond
+                .then(|| of_lift(&instrument.bodies[lying].name, [furthest.value, bound].map(lift_m), furthest));
+        }
         beyond.then(|| Warning {
             kind: WarningKind::TurnBeyondStops,
             what: format!(
@@ -344,6 +352,25 @@ fn of_turns<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iter
             time_s: Some(furthest.time_s),
         })
     })
+}
+
+/// Doubts about a pivot that has moved this far along its pin; both in m, up positive.
+fn of_lift(lying: &str, [lift_m, bound_m]: [f64; 2], furthest: &Furthest) -> Warning {
+    Warning {
+        kind: WarningKind::LiftBeyondPin,
+        what: format!(
+            "the pivot of `{lying}` has {} by {} mm at {}; expected at most {}. Is a zone missing that holds it?",
+            if lift_m > 0.0 { "risen" } else { "sunk" },
+            rounded(lift_m.abs() * 1e3),
+            instant(furthest.time_s),
+            rounded(bound_m.abs() * 1e3)
+        ),
+        part: Some(lying.to_owned()),
+        value: lift_m,
+        bound: bound_m,
+        unit: "m",
+        time_s: Some(furthest.time_s),
+    }
 }
 
 /// Counts the warnings of many runs by kind and part, and keeps the worst of each.

@@ -2,7 +2,7 @@
 
 use erard::damper::DamperHeights;
 use erard::grand::{Parts, falling_moment_n_m, front_weight_g, pedal_down, strike_weight_g, whippen_weight_g};
-use erard::instrument::{DamperFelt, DrawnPart, InstrumentFields, Material, ScrewAction};
+use erard::instrument::{Bushing, DamperFelt, DrawnPart, InstrumentFields, Material, ScrewAction};
 use erard::keyboard::Keys;
 use erard::parameter::{Change as Typed, Parameter};
 use erard::{Action, Input, Instrument, Settings, one_dof};
@@ -89,13 +89,14 @@ fn indices_that_callers_pass_are_checked() {
     };
     let no_body = |error: &dyn std::fmt::Display| told(error, "body", bodies, bodies, 0);
     let no_zone = |error: &dyn std::fmt::Display| told(error, "zone", zones, zones, 0);
+    let cloth = Bushing::Cloth { n_per_m: 1e5, n_s_per_m: 0.0 };
     // The last of each is there.
-    assert!(grand.first_piece(bodies - 1).is_ok() && grand.with_bushing(bodies - 1, 1e5, 0.0).is_ok());
+    assert!(grand.first_piece(bodies - 1).is_ok() && grand.with_bushing(bodies - 1, cloth).is_ok());
     no_body(&grand.first_piece(bodies).unwrap_err());
     no_body(&grand.on_first_piece(bodies).unwrap_err());
     no_body(&grand.is_same_part(0, bodies).unwrap_err());
     no_body(&grand.is_same_part(bodies, 0).unwrap_err());
-    no_body(&grand.with_bushing(bodies, 1e5, 0.0).unwrap_err());
+    no_body(&grand.with_bushing(bodies, cloth).unwrap_err());
     no_body(&falling_moment_n_m(&grand, bodies).unwrap_err());
     told(&grand.first_piece(usize::MAX).unwrap_err(), "body", usize::MAX, bodies, 0);
 

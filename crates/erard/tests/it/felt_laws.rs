@@ -265,3 +265,50 @@ fn bushings() {
     println!("{soft} m/s with the bushing, {hard} without");
     assert!((soft / hard - 1.0).abs() < 0.03 && soft != hard);
 }
+
+/// The concert grand with its key lying on a punching of the balance rail, and with its key nailed to the pin.
+fn lying_and_nailed() -> [Instrument; 2] {
+    let text = Instrument::builtin_text("concert-grand").unwrap();
+    let zone = r#"[[zone]]
+name = "balance_rail"
+disc = { body = "key_back", center_mm = [0, 0] }
+line = { body = "ground", point_mm = [0, 0.11], normal = [0, 1] }
+felt = { stiffness_N_per_m_r = 2e8, exponent = 2, damping_N_s_per_m3 = 1e8 }
+"#;
+    let nailed = format!("{text}\n{zone}");
+    let lying = nailed.replacen("name = \"key_back\"\n", "name = \"key_back\"\npin_friction_N = 0.02\n", 1);
+    [lying, nailed].map(|text| Instrument::parse(&text, "a file").unwrap())
+}
+
+/// A pivot that lies is a body more, and locked it is the instrument with a nailed key. At rest the punching bears what
+/// statics says: the weights of the key and of what it carries, less what the cloth of the back rail bears. No law of
+/// the punching takes part in that.
+#[test]
+fn a_lying_pivot_bears_what_statics_says() {
+    let [lying, nailed] = lying_and_nailed();
+    assert_eq!((lying.bodies.len(), lying.springs.len()), (nailed.bodies.len() + 1, nailed.springs.len()));
+    let (locked, rigid) = (lying.locked(), nailed.locked());
+    assert_eq!((&locked.zones, &locked.roles, &locked.springs), (&rigid.zones, &rigid.roles, &rigid.springs));
+    for (a, b) in locked.bodies.iter().zip(&rigid.bodies) {
+        assert_eq!((&a.name, a.parent, a.mass_kg, a.inertia_kg_m2), (&b.name, b.parent, b.mass_kg, b.inertia_kg_m2));
+        assert!((a.pivot_m[0] - b.pivot_m[0]).hypot(a.pivot_m[1] - b.pivot_m[1]) < 1e-15, "{}", a.name);
+    }
+    let run = Play::ForceStep(0.0, 0.1).run(&lying, Settings::new(USUAL_STEP_S), 0.1);
+    let force = |name: &str| run.zones.iter().find(|zone| zone.name == name).unwrap().normal_n[0];
+    let (_, key) = lying.lying().next().unwrap();
+    let on_key = |body: Option<usize>| body.is_some_and(|body| lying.is_same_part(body, key).unwrap());
+    let pieces = (0..lying.bodies.len()).filter(|&body| on_key(Some(body)));
+    let weight_n = lying.gravity_m_per_s2 * pieces.map(|body| lying.bodies[body].mass_kg).sum::<f64>();
+    // All zones of the key are level at rest: heel, check and damper press down on it, cloth and punching up.
+    let (mut down_n, mut up_n) = (weight_n, 0.0);
+    for zone in lying.zones.iter().filter(|zone| on_key(zone.disc_body) || on_key(zone.curve_body)) {
+        let is_held = zone.disc_body.is_none() || zone.curve_body.is_none();
+        *(if is_held { &mut up_n } else { &mut down_n }) += force(&zone.name);
+    }
+    println!("{up_n} N up, {down_n} N down; {} N on the punching", force("balance_rail"));
+    // The pin's own weight lies on the punching, too; its friction and the dry torque at the arm of 1 m are free.
+    let (pin_n, free_n) = (1e-3 * lying.gravity_m_per_s2, 0.02 + lying.bodies[key].friction_torque_n_m);
+    assert!((up_n - down_n - pin_n).abs() < free_n + 0.002 * down_n && force("balance_rail") > 2.0);
+    let lift_m = run.lifts[0].lift_m[0];
+    assert!(lift_m.abs() < 0.02e-3, "the punching is drawn compressed by what it bears: {lift_m} m");
+}

@@ -187,6 +187,22 @@ fn numbers_that_no_instrument_has() {
             "body.pallet.bushing_N_s_per_m",
             ["", "`bushing_N_per_m` beside it", "needs another"],
         ),
+        slip(
+            ("viscous_N_m_s = 1e-6", "viscous_N_m_s = 1e-6\npin_friction_N = 0.3"),
+            "pin_friction_N = 0.3",
+            "body.pallet.pin_friction_N",
+            [
+                "0.3",
+                "a [[zone]] whose disc is on `pallet` at its pivot, [0, 0], and its line on `pendulum`",
+                "nothing holds this pivot",
+            ],
+        ),
+        slip(
+            ("viscous_N_m_s = 1e-6", "viscous_N_m_s = 1e-6\nbushing_N_per_m = 1e5\npin_friction_N = 0.3"),
+            "pin_friction_N = 0.3",
+            "body.pallet.pin_friction_N",
+            ["both", "either `bushing_N_per_m` or `pin_friction_N`", "one bushing"],
+        ),
         slip(("exponent = 2", "exponent = 0.5"), "0.5", "zone.bench.felt.exponent", ["0.5", "at least 1", "too small"]),
         slip(("exponent = 2", "exponent = 40"), "40", "zone.bench.felt.exponent", ["40", "at most 6", "too large"]),
         slip(

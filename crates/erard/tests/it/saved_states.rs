@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::common::{grand, rigid_grand};
 use erard::assembly::{describe, probes};
-use erard::instrument::{BridgeMode, Dwell, Felt, InstrumentFields, InstrumentFile, with_numbers};
+use erard::instrument::{BridgeMode, Bushing, Dwell, Felt, InstrumentFields, InstrumentFile, with_numbers};
 use erard::keyboard::Keyboard;
 use erard::{Action, Input, Instrument};
 use moreau::{Elastoplastic, Hereditary, Loss, SetValued};
@@ -166,7 +166,7 @@ fn felt(loss: Loss<f64>) -> Felt {
 /// With a bushing at the first body's pivot.
 fn with_bushing(fields: &InstrumentFields, n_s_per_m: f64) -> InstrumentFields {
     let instrument = Instrument::new(fields.clone()).unwrap();
-    (*instrument.with_bushing(0, 1e5, n_s_per_m).unwrap()).clone()
+    (*instrument.with_bushing(0, Bushing::Cloth { n_per_m: 1e5, n_s_per_m }).unwrap()).clone()
 }
 
 /// The laws and parts that no built-in instrument has: each changes the identity, and each of its numbers does.

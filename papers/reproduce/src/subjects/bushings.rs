@@ -4,7 +4,7 @@ use moreau::Settings;
 
 use super::impact::{Play, tell};
 use super::{Claim, Progress, ReproduceError, Section, Table};
-use erard::instrument::Instrument;
+use erard::instrument::{Bushing, Instrument};
 
 /// Stiffnesses, N/m. Wool cloth of 0.6 mm under interference, 2 to 10 MPa on 1.3 x 6.4 mm: 0.5e5 to 3e5 N/m, both sides
 /// together. An estimate; none is published.
@@ -47,9 +47,9 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     let mut most = 0.0_f64;
     for (i, n_per_m) in STIFFNESSES.into_iter().enumerate() {
         tell(progress, (i + 1) as f64 / (STIFFNESSES.len() + 1) as f64)?;
-        let damping = 2.0 * RATIO * (n_per_m * 0.010_f64).sqrt();
+        let cloth = Bushing::Cloth { n_per_m, n_s_per_m: 2.0 * RATIO * (n_per_m * 0.010_f64).sqrt() };
         let soften = |instrument: &Instrument, body: usize| {
-            let soft = instrument.with_bushing(body, n_per_m, damping);
+            let soft = instrument.with_bushing(body, cloth);
             soft.map_err(|error| ReproduceError::Instrument(error.to_string()))
         };
         let soft = soften(&soften(instrument, first)?, second)?;
