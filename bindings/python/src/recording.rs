@@ -99,7 +99,7 @@ impl Recording {
         self.prepared.report.channel(role(name).ok()?)?.noise.map(|noise| noise.rms)
     }
 
-    /// Part whose position was recorded: `key` or `fingertip`.
+    /// Part whose position was recorded: `key`, `fingertip` or `key-back`.
     #[getter]
     fn position_of(&self) -> &'static str {
         self.position_of.name()
@@ -156,8 +156,10 @@ impl Recording {
             None => inner.position_of,
             Some("key") => PositionOf::Key,
             Some("fingertip") => PositionOf::Fingertip,
+            Some("key-back") => PositionOf::KeyBack,
             Some(found) => {
-                return Err(wrong_argument("position", format!("found `{found}`, expected `key` or `fingertip`")));
+                let expected = "expected `key`, `fingertip` or `key-back`";
+                return Err(wrong_argument("position", format!("found `{found}`, {expected}")));
             }
         };
         let inverted = inverted.iter().map(|name| role(name)).collect::<PyResult<_>>()?;

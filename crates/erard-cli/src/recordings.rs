@@ -30,7 +30,8 @@ pub(crate) struct RecordingOptions {
     #[arg(long, value_name = "NAME=TITLE,..")]
     columns: Option<Columns>,
     /// Which position was recorded, the key's or the fingertip's. The two differ by the compression of the fingertip,
-    /// F/k and its damper [default: the key's, unless the column title says otherwise]
+    /// F/k and its damper. `key-back` is for a sensor behind the balance pin; only `compare` drives that point
+    /// [default: the key's, unless the column title says otherwise]
     #[arg(long, value_name = "WHOSE", value_parser = one_of(&POSITIONS))]
     position: Option<PositionOf>,
     /// Zero of the channels: `rest` (the mean of the rest before the touch, if there is one), `off` (numbers as they
@@ -61,8 +62,11 @@ impl RecordingOptions {
     }
 }
 
-const POSITIONS: [Name<PositionOf>; 2] =
-    [("key", "Front of the key", PositionOf::Key), ("fingertip", "Fingertip", PositionOf::Fingertip)];
+const POSITIONS: [Name<PositionOf>; 3] = [
+    (PositionOf::Key.name(), "Front of the key", PositionOf::Key),
+    (PositionOf::Fingertip.name(), "Fingertip", PositionOf::Fingertip),
+    (PositionOf::KeyBack.name(), "Key behind its balance pin, calibrated at the front", PositionOf::KeyBack),
+];
 
 /// Where a zero comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -39,8 +39,9 @@ class Recording(Table):
     columns : str or mapping of str to str, optional
         Columns to read if the titles are not recognised: "time=Time (s),position=Displacement (mm),force=F [gf]", or a
         mapping of roles to titles.
-    position : {"key", "fingertip"}, optional
-        Part whose position was recorded; by default as the title says, else the key.
+    position : {"key", "fingertip", "key-back"}, optional
+        Part whose position was recorded; by default as the title says, else the key. "key-back" is for a sensor behind
+        the balance pin, calibrated at the front; only `compare` drives that point.
     zero : bool or mapping of {"force_N", "key_m", "hammer_rise_m", "hammer_rise_m_per_s"} to float
         Whether to subtract from each channel its mean in the rest before the touch. A mapping gives the reading of a
         channel at its zero, N, m or m/s, in the file's own sign; the zeros of other channels are taken from the rest.
@@ -119,7 +120,7 @@ class Recording(Table):
 
     @property
     def position_of(self) -> str:
-        """Part whose position was recorded: "key" or "fingertip"."""
+        """Part whose position was recorded: "key", "fingertip" or "key-back"."""
         return self._inner.position_of
 
     @property

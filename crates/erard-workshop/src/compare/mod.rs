@@ -3,7 +3,8 @@
 //! A measured force drives the key, and the key's motion results; a measured position drives a soft finger by the
 //! fingertip's position, and the key rigidly by its own, and the finger's force results. If both were measured, the
 //! result is compared with the measurement [T12 fig. 3]. A position is the key's unless [`Choice::position_of`] says
-//! that it is the fingertip's; with force, each follows from the other ([`Series::position_of`]).
+//! that it is the fingertip's; with force, each follows from the other ([`Series::position_of`]). One that was read
+//! behind the balance pin drives the action's key there ([`Instrument::driven_at_key_back`]).
 //!
 //! No model explains the noise of a recording. Errors are reported only up to the frequency below which both the
 //! driving and the compared series contain signal above noise ([`Choice::tells_to_hz`]).
@@ -281,6 +282,7 @@ pub fn compare_chosen(
         return Err(CompareError::TooLong { found_s: duration_s });
     }
     let reduced = reduce(instrument)?.instrument;
+    let at_the_back = instrument.driven_at_key_back();
     let time_s: Vec<f64> =
         (0..=(duration_s * RATE_HZ).floor() as usize).map(|n| start_s + n as f64 / RATE_HZ).collect();
     let mut notes = Vec::new();
@@ -343,7 +345,11 @@ pub fn compare_chosen(
             Prescribed::Motion => &player::motion(&tip_position),
             Prescribed::Rigid => &player::rigid(&key_position),
         };
-        let model = if which == Which::Action { instrument } else { &reduced };
+        let model = match (which, driven) {
+            (Which::OneDof, _) => &reduced,
+            (Which::Action, Prescribed::Rigid) if choice.position_of == PositionOf::KeyBack => &at_the_back,
+            (Which::Action, _) => instrument,
+        };
         let count = plan.len() as f64;
         let run = simulate(model, drive, &setup, &mut |share| progress((done as f64 + share) / count))?;
         let key_m = interpolated(&run.time_s, &run.key_m, &time_s);

@@ -131,6 +131,35 @@ fn whose_position_it_is() {
     assert!(misread < 0.9, "{misread}");
 }
 
+/// A stroke whose key was measured behind its balance pin gives its hammer again if it drives the key there; if it
+/// drives the front of the key, which bends, the hammer is late.
+#[test]
+fn the_point_that_was_measured_is_driven() {
+    let grand = Instrument::builtin("concert-grand").unwrap();
+    let setup = Setup { settings: Settings::new(50e-6), record_every: Some(1), ..Setup::new(0.06) };
+    let run = simulate(&grand, &player::force(&force), &setup, &mut |_| true).unwrap();
+    let back = &run.bodies[grand.first_piece(grand.roles.key.unwrap())].angle_rad;
+    let front_m = grand.roles.key_front_m[0];
+    let position: Vec<f64> = back.iter().map(|angle| -front_m * (angle - back[0])).collect();
+    let series = Series {
+        force: None,
+        position: Some(PositionSeries::new(run.time_s.clone(), position).unwrap()),
+        hammer_speed: None,
+        hammer_head: Some(PositionSeries::new(run.time_s.clone(), run.hammer_rise_m.clone()).unwrap()),
+    };
+    let rms_m = |position_of| {
+        let (drives, models) = (vec![Prescribed::Rigid], vec![Which::Action]);
+        let choice = Choice { position_of, drives, models, ..Choice::default() };
+        let c = compare_chosen(&grand, &series, &choice, &setup, &mut |_| true).unwrap();
+        c.trials[0].hammer_errors.as_ref().unwrap().rms
+    };
+    let [back, front] = [PositionOf::KeyBack, PositionOf::Key].map(rms_m);
+    assert!(back < 0.1e-3 && front > 5.0 * back, "{back} {front}");
+    // A key that does not bend has one place.
+    let rigid = Instrument::builtin("concert-grand-rigid").unwrap();
+    assert_eq!(rigid.driven_at_key_back(), rigid);
+}
+
 /// Nothing beyond a limit is reported, and nothing at all if the limit leaves nothing.
 #[test]
 fn limits_of_what_is_told() {

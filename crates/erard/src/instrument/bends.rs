@@ -35,6 +35,19 @@ impl Instrument {
         body
     }
 
+    /// Returns the instrument whose driven point is on the key's first piece, at the place of the front: a prescribed
+    /// key motion moves the piece on the balance pin, and the front bends as it likes. A sensor behind the pin, whose
+    /// readings are referred to the front, sees that point. Not bent, it is the front.
+    #[must_use]
+    pub fn driven_at_key_back(&self) -> Instrument {
+        let mut fields = self.fields.clone();
+        if let Some(key) = fields.roles.key {
+            fields.roles.key_front_m = self.on_first_piece(key).to_world(fields.roles.key_front_m);
+            fields.roles.key = Some(self.first_piece(key));
+        }
+        Instrument { fields }
+    }
+
     /// Placement of a piece's frame in the frame of its part's first piece, as drawn.
     ///
     /// # Errors

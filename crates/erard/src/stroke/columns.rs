@@ -135,14 +135,18 @@ pub enum PositionOf {
     Key,
     /// The fingertip's, on the driver's side of its softness.
     Fingertip,
+    /// The key's, by a sensor behind the balance pin that was calibrated at the front: what the front would be if the
+    /// key did not bend.
+    KeyBack,
 }
 
 impl PositionOf {
     /// Its name in files and on the command line.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             PositionOf::Key => "key",
             PositionOf::Fingertip => "fingertip",
+            PositionOf::KeyBack => "key-back",
         }
     }
 }

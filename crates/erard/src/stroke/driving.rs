@@ -83,6 +83,15 @@ pub enum DrivingError {
         /// The stroke.
         title: String,
     },
+    /// The position is that of the key's back, and would drive the front.
+    #[error(
+        "{title}: the position is that of the key's back; expected the key's front or the fingertip's, for a run drives the front. `erard compare` \
+         drives the back"
+    )]
+    KeyBack {
+        /// The stroke.
+        title: String,
+    },
     /// Key and fingertip cannot be computed from each other.
     #[error("{title}: key and fingertip: {error}")]
     Samples {
@@ -207,7 +216,7 @@ impl Stroke {
         drive: Option<Prescribed>,
         after_s: f64,
     ) -> Result<(Self, Option<&'static str>), DrivingError> {
-        let own = if position_of == PositionOf::Key { Prescribed::Rigid } else { Prescribed::Motion };
+        let own = if position_of == PositionOf::Fingertip { Prescribed::Motion } else { Prescribed::Rigid };
         let drive = drive.unwrap_or(if series.force.is_some() { Prescribed::Force } else { own });
         let missing = match drive {
             Prescribed::Force => series.force.is_none(),
@@ -215,6 +224,9 @@ impl Stroke {
         };
         if missing {
             return Err(DrivingError::Missing { title, drive });
+        }
+        if drive != Prescribed::Force && position_of == PositionOf::KeyBack {
+            return Err(DrivingError::KeyBack { title });
         }
         if drive == Prescribed::Force
             && let Some([least_n, most_n]) = series.force.as_ref().map(ForceSeries::range_n)
@@ -325,6 +337,8 @@ mod tests {
         assert!(note.unwrap().contains("begins with a force"), "{note:?}");
         let free = read("time_s,force_N,position_m\n0,0,0\n1,2,0.01\n");
         assert_eq!(of(&free, PositionOf::Key, Some(Prescribed::Motion)).unwrap().1, None);
+        let error = of(&path, PositionOf::KeyBack, None).unwrap_err().to_string();
+        assert!(error.contains("that of the key's back") && error.contains("`erard compare`"), "{error}");
         let error = of(&path, PositionOf::Key, Some(Prescribed::Force)).unwrap_err().to_string();
         assert!(error.contains("`force_N`"), "{error}");
         assert!(matches!(

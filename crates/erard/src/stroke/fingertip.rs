@@ -9,7 +9,7 @@ impl Series {
     ///
     /// The fingertip is ahead of the key by its compression: F/k, which its damper lets follow with the time constant
     /// c/k (k d + c d' = F with d the difference, the finger's own law). `None` where there is no position, or where
-    /// the other one is wanted and no force was recorded.
+    /// the other one is wanted and no force was recorded. The position of the key's back counts as the key's.
     ///
     /// # Errors
     /// Where the two together cannot be interpolated.
@@ -20,7 +20,8 @@ impl Series {
         finger: &Finger,
     ) -> Result<Option<PositionSeries>, SampleError> {
         let Some(position) = &self.position else { return Ok(None) };
-        if wanted == of {
+        let is_key = |one: PositionOf| one != PositionOf::Fingertip;
+        if is_key(wanted) == is_key(of) {
             return Ok(Some(position.clone()));
         }
         let Some(force) = &self.force else { return Ok(None) };

@@ -1,8 +1,8 @@
 //! Stiffness and loss of heel and knuckle: recorded strokes of a real action, and the published order of events, over
 //! both.
 //!
-//! The recorded key drives the model's, as in `compare`. Three recorded strokes served to choose the felts; four others
-//! of the same recording judge them (`recordings/split.csv`).
+//! The recorded key drives the model's, as in `compare`, where it was measured: behind the balance pin. All these
+//! strokes choose (`recordings/split.csv`); none of them judges.
 
 use moreau::{Loss, Settings};
 
@@ -11,7 +11,7 @@ use super::{Claim, Progress, ReproduceError, Section, Table, bending, builtin};
 use erard::instrument::Instrument;
 use erard::recording::{LowPass, Preparation, prepare};
 use erard::run::{Setup, SimulationError};
-use erard::stroke::{Columns, Prescribed, Recording, Series};
+use erard::stroke::{Columns, PositionOf, Prescribed, Recording, Series};
 use erard_workshop::compare::{Choice, Which, compare_chosen};
 use erard_workshop::distances::{self, Protocol};
 use erard_workshop::regulate::{Goal, Specification, Status, regulate};
@@ -35,14 +35,16 @@ const KEPT: [Goal; 7] =
 const LOW_PASS_HZ: f64 = 250.0;
 /// Hammer's way over which its speed is measured, m: the recorded blow is 50.8 mm.
 const WAY_M: [f64; 2] = [10e-3, 45e-3];
-/// Recorded strokes: name, whether it served to choose, and its text.
-const STROKES: [(&str, bool, &str); 6] = [
-    ("medium", true, include_str!("../../../../crates/erard/recordings/kawai-kg-3c-medium.csv")),
-    ("fast", true, include_str!("../../../../crates/erard/recordings/kawai-kg-3c-fast.csv")),
-    ("struck-1", false, include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-1.csv")),
-    ("struck-2", false, include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-2.csv")),
-    ("struck-3", false, include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-3.csv")),
-    ("struck-4", false, include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-4.csv")),
+/// Parts of it, m.
+const PARTS_M: [[f64; 2]; 3] = [[12e-3, 24e-3], [24e-3, 36e-3], [36e-3, 45e-3]];
+/// Recorded strokes, the medium one first; the others were struck.
+const STROKES: [(&str, &str); 6] = [
+    ("medium", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-medium.csv")),
+    ("fast", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-fast.csv")),
+    ("struck-1", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-1.csv")),
+    ("struck-2", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-2.csv")),
+    ("struck-3", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-3.csv")),
+    ("struck-4", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-4.csv")),
 ];
 /// Rows of `erard validate` on the order of events under hands that press.
 const ORDER: [&str; 4] = ["hammer_ahead_f", "hammer_ahead_ff", "hammer_ahead_loudest", "crossover"];
@@ -98,12 +100,15 @@ struct Beside {
     late_s: f64,
     /// Its speed over the recorded one's.
     speed: f64,
+    /// The same in parts of the way.
+    parts: [f64; 3],
 }
 
 impl Beside {
-    fn new(instrument: &Instrument, series: &Series) -> Result<Self, ReproduceError> {
+    fn new(instrument: &Instrument, series: &Series, position_of: PositionOf) -> Result<Self, ReproduceError> {
         let setup = Setup { settings: Settings::new(50e-6), ledger: false, ..Setup::new(1.0) };
-        let choice = Choice { drives: vec![Prescribed::Rigid], models: vec![Which::Action], ..Choice::default() };
+        let (drives, models) = (vec![Prescribed::Rigid], vec![Which::Action]);
+        let choice = Choice { drives, models, position_of, ..Choice::default() };
         let comparison = compare_chosen(instrument, series, &choice, &setup, &mut |_| true)?;
         let simulated = comparison.trial(Prescribed::Rigid, Which::Action).map(|trial| &trial.hammer_rise_m);
         let hammers = comparison.measured_hammer_rise_m.as_ref().zip(simulated);
@@ -115,17 +120,20 @@ impl Beside {
             let before = comparison.time_s[row.saturating_sub(1)];
             Ok::<f64, ReproduceError>(comparison.time_s[row] - part * (comparison.time_s[row] - before))
         };
-        let [from, to] = WAY_M.map(|way_m| [recorded, simulated].map(|hammer| reaches(hammer, way_m)));
-        let ([from_a, from_b], [to_a, to_b]) = (from, to);
-        let (from, to) = ([from_a?, from_b?], [to_a?, to_b?]);
-        Ok(Beside { late_s: to[1] - to[0], speed: (to[0] - from[0]) / (to[1] - from[1]) })
+        let late_s = reaches(simulated, WAY_M[1])? - reaches(recorded, WAY_M[1])?;
+        let speed = |[from_m, to_m]: [f64; 2]| {
+            let took = |hammer: &[f64]| Ok::<f64, ReproduceError>(reaches(hammer, to_m)? - reaches(hammer, from_m)?);
+            Ok::<f64, ReproduceError>(took(recorded)? / took(simulated)?)
+        };
+        let [a, b, c] = PARTS_M.map(speed);
+        Ok(Beside { late_s, speed: speed(WAY_M)?, parts: [a?, b?, c?] })
     }
 }
 
 /// Result of a case.
 struct Found {
     case: Case,
-    beside: Vec<(bool, Beside)>,
+    beside: Vec<Beside>,
     /// Values of [`ORDER`].
     order: [Option<f64>; 4],
 }
@@ -134,13 +142,13 @@ impl Found {
     fn new(
         case: Case,
         [recorded_as, grand]: [(&Instrument, &Specification); 2],
-        strokes: &[(bool, Series)],
+        strokes: &[Series],
         progress: &mut Progress,
     ) -> Result<Self, ReproduceError> {
         let like_the_recorded = case.of(recorded_as.0, recorded_as.1, progress)?;
-        let beside = strokes.iter().map(|(chooses, series)| {
+        let beside = strokes.iter().map(|series| {
             tell(progress, 0.0)?;
-            Ok((*chooses, Beside::new(&like_the_recorded, series)?))
+            Beside::new(&like_the_recorded, series, PositionOf::KeyBack)
         });
         let beside = beside.collect::<Result<_, ReproduceError>>()?;
         let by_hand = loudness(&case.of(grand.0, grand.1, progress)?, progress).map_err(failed)?.by_hand;
@@ -154,20 +162,14 @@ impl Found {
         Ok(Found { case, beside, order })
     }
 
-    fn of(&self, chooses: bool) -> impl Iterator<Item = &Beside> {
-        self.beside.iter().filter(move |(own, _)| *own == chooses).map(|(_, beside)| beside)
-    }
-
     /// Root mean square error of the arrival, s.
-    fn late_s(&self, chooses: bool) -> f64 {
-        let (sum, count) =
-            self.of(chooses).fold((0.0, 0), |(sum, count), one| (sum + one.late_s * one.late_s, count + 1));
-        (sum / f64::from(count.max(1))).sqrt()
+    fn late_s(&self) -> f64 {
+        (self.mean(|one| one.late_s * one.late_s)).sqrt()
     }
 
-    /// Mean of the simulated hammer's speed over the recorded one's.
-    fn speed(&self, chooses: bool) -> f64 {
-        self.of(chooses).map(|one| one.speed).sum::<f64>() / self.of(chooses).count() as f64
+    /// Mean over the strokes.
+    fn mean(&self, of: impl Fn(&Beside) -> f64) -> f64 {
+        self.beside.iter().map(of).sum::<f64>() / self.beside.len() as f64
     }
 
     /// Number of rows met.
@@ -185,9 +187,9 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
     let (recorded_as, recorded) = (builtin(RECORDED_AS)?, RECORDED.to_vec());
     let preparation = Preparation { low_pass: LowPass::At(LOW_PASS_HZ), ..Preparation::default() };
     let mut strokes = Vec::new();
-    for (name, chooses, text) in STROKES {
+    for (name, text) in STROKES {
         let recording = Recording::read(text.as_bytes(), name, &Columns::default()).map_err(failed)?;
-        strokes.push((chooses, prepare(&recording, &preparation).map_err(failed)?.series));
+        strokes.push(prepare(&recording, &preparation).map_err(failed)?.series);
     }
     let stiffnesses = SHARES.map(|stiffness| Case { stiffness, damping: 1.0, eta: 1.0 });
     let losses = LOSSES.map(|[damping, eta]| Case { stiffness: BUILT_IN, damping, eta });
@@ -202,6 +204,9 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         });
         found.push(one.map_err(|error| if ended { SimulationError::Interrupted.into() } else { error })?);
     }
+    let own = Case { stiffness: BUILT_IN, damping: 1.0, eta: 1.0 }.of(&recorded_as, &recorded, progress)?;
+    let at_the_front = strokes.iter().map(|series| Beside::new(&own, series, PositionOf::Key));
+    let at_the_front = at_the_front.collect::<Result<Vec<_>, _>>()?;
     let published = Published::builtin();
     let rows: Vec<&PublishedRow> =
         ORDER.iter().filter_map(|name| published.rows.iter().find(|row| row.name == *name)).collect();
@@ -209,29 +214,52 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         text: vec![format!(
             "Stiffness under load of heel and both knuckles, over the start set's; the built-in grand has {BUILT_IN}. For \
              the recordings, `{RECORDED_AS}` with these felts is regulated to the recorded action's distances, and its key \
-             follows the recorded one; for the order of events the concert grand keeps its own distances. b is the viscous \
-             damping, loss that of the sliders."
+             follows the recorded one behind the balance pin, where it was measured; for the order of events the concert \
+             grand keeps its own distances. b is the viscous damping, loss that of the sliders."
         )],
         claims: claims(&found, &rows),
-        tables: vec![beside_the_recorded(&found), order_of_events(&found, &rows)],
+        tables: vec![beside_the_recorded(&found), in_parts(&found, &at_the_front), order_of_events(&found, &rows)],
         ..Section::default()
     })
 }
 
 fn beside_the_recorded(found: &[Found]) -> Table {
     let mut header = vec!["stiffness under load"];
-    header.extend(STROKES.iter().map(|(name, ..)| *name));
-    header.extend(["rms, choose", "rms, judge", "speed, choose", "speed, judge"]);
+    header.extend(STROKES.iter().map(|(name, _)| *name));
+    header.extend(["rms", "speed"]);
     let mut table = Table::new(
         "Hammer beside the recorded one, 45 mm up: ms late; its speed from 10 to 45 mm over the recorded one's",
         &header,
     );
     for one in found {
-        let late = one.beside.iter().map(|(_, beside)| format!("{:+.1}", 1e3 * beside.late_s));
-        let rms = [true, false].map(|chooses| format!("{:.1}", 1e3 * one.late_s(chooses)));
-        let speeds = [true, false].map(|chooses| format!("{:.2}", one.speed(chooses)));
-        table.row(std::iter::once(one.case.name()).chain(late).chain(rms).chain(speeds));
+        let late = one.beside.iter().map(|beside| format!("{:+.1}", 1e3 * beside.late_s));
+        let all = [format!("{:.1}", 1e3 * one.late_s()), format!("{:.2}", one.mean(|one| one.speed))];
+        table.row(std::iter::once(one.case.name()).chain(late).chain(all));
     }
+    table
+}
+
+/// Speeds in three parts of the way, over the struck strokes: mean, and half of what lies between them.
+fn in_parts(found: &[Found], at_the_front: &[Beside]) -> Table {
+    let parts = PARTS_M.map(|part| part.map(|m| format!("{:.0}", 1e3 * m)).join(" to ") + " mm");
+    let mut table = Table::new(
+        "Speed of the hammer over the recorded one's in parts of its way, five struck strokes: mean, and half of their span",
+        &["stiffness under load", &parts[0], &parts[1], &parts[2]],
+    );
+    let mut row = |name: String, beside: &[Beside]| {
+        let struck = &beside[1..];
+        let cells = [0, 1, 2].map(|part| {
+            let all = || struck.iter().map(|one| one.parts[part]);
+            let mean = all().sum::<f64>() / struck.len() as f64;
+            let [low, high] = [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)];
+            format!("{mean:.2} +-{:.2}", 0.5 * (high - low))
+        });
+        table.row(std::iter::once(name).chain(cells));
+    };
+    for one in found {
+        row(one.case.name(), &one.beside);
+    }
+    row(format!("{BUILT_IN:.2}, front driven"), at_the_front);
     table
 }
 
@@ -253,22 +281,18 @@ fn order_of_events(found: &[Found], rows: &[&PublishedRow]) -> Table {
 
 fn claims(found: &[Found], rows: &[&PublishedRow]) -> Vec<Claim> {
     let (stiff, lossy) = found.split_at(SHARES.len());
-    let best = |chooses: bool| {
-        let best = stiff.iter().min_by(|a, b| a.late_s(chooses).total_cmp(&b.late_s(chooses)));
-        best.map_or(f64::NAN, |one| one.case.stiffness)
-    };
+    let nearest =
+        stiff.iter().min_by(|a, b| a.late_s().total_cmp(&b.late_s())).map_or(f64::NAN, |one| one.case.stiffness);
     let most = stiff.iter().map(|one| one.met(rows)).max().unwrap_or_default();
     let with_most: Vec<f64> = stiff.iter().filter(|one| one.met(rows) == most).map(|one| one.case.stiffness).collect();
-    let [chosen, judged] = [true, false].map(best);
     let mut claims = vec![Claim::new(
         "recorded and published",
         "the recorded strokes ask for softer felts of heel and knuckle than the published order of events; the built-in ones lie between",
         format!(
-            "the arrivals are nearest at {chosen:.2} of the start set over the strokes that choose, at {judged:.2} over those that judge; \
-             most of the rows on the order, {most} of {}, are met at {with_most:.2?}",
+            "the arrivals are nearest at {nearest:.2} of the start set; most of the rows on the order, {most} of {}, are met at {with_most:.2?}",
             rows.len()
         ),
-        chosen <= BUILT_IN && judged <= BUILT_IN && with_most.iter().all(|share| *share >= BUILT_IN),
+        nearest <= BUILT_IN && with_most.iter().all(|share| *share >= BUILT_IN),
     )];
     let built_in = stiff.iter().find(|one| one.case.stiffness == BUILT_IN);
     if let Some((built_in, more)) = built_in.zip(lossy.iter().find(|one| one.case.eta > 1.0)) {
@@ -278,12 +302,12 @@ fn claims(found: &[Found], rows: &[&PublishedRow]) -> Vec<Claim> {
             "recorded and published",
             "at the built-in stiffness a greater loss of the sliders does what softer felts do for the recorded strokes, and leaves the order of events",
             format!(
-                "times {}: arrivals of the strokes that judge {:.1} instead of {:.1} ms off; hammer before key bottom moves by {moved:.2} ms",
+                "times {}: arrivals {:.1} instead of {:.1} ms off; hammer before key bottom moves by {moved:.2} ms",
                 more.case.eta,
-                1e3 * more.late_s(false),
-                1e3 * built_in.late_s(false)
+                1e3 * more.late_s(),
+                1e3 * built_in.late_s()
             ),
-            more.late_s(false) < 0.5 * built_in.late_s(false) && moved < 0.2,
+            more.late_s() < 0.5 * built_in.late_s() && moved < 0.2,
         ));
     }
     claims
