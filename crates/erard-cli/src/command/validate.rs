@@ -200,6 +200,7 @@ struct GrandsReport {
     travel_of_hand_ms: Option<f64>,
     key_bottom_ms: Option<f64>,
     free_flight_ms: Option<f64>,
+    off_knuckle_ms: Option<f64>,
     grands: Vec<GrandReport>,
 }
 
@@ -226,6 +227,7 @@ impl From<&BesideGrands> for GrandsReport {
             travel_of_hand_ms: one.travel_of_hand_ms,
             key_bottom_ms: one.key_bottom_ms,
             free_flight_ms: one.free_flight_ms,
+            off_knuckle_ms: one.off_knuckle_ms,
             grands: one.grands.iter().map(grand).collect(),
         }
     }
@@ -432,7 +434,7 @@ fn print_grands(session: &mut Session, levels: &[GrandsReport]) {
     let names: Vec<&str> = first.grands.iter().map(|one| one.grand).collect();
     let one = |ms: Option<f64>| ms.map_or_else(|| "-".into(), |ms| format!("{ms:.1}"));
     let all = |level: &GrandsReport, get: fn(&GrandReport) -> f64, decimals: usize| {
-        level.grands.iter().map(|grand| format!("{:.decimals$}", get(grand))).collect::<Vec<_>>().join(" / ")
+        level.grands.iter().map(|grand| format!("{:.decimals$}", get(grand))).collect::<Vec<_>>().join("/")
     };
     let cells = levels.iter().map(|level| {
         [
@@ -442,12 +444,13 @@ fn print_grands(session: &mut Session, levels: &[GrandsReport]) {
             all(level, |grand| grand.travel_ms, 0),
             one(level.key_bottom_ms),
             all(level, |grand| grand.key_bottom_ms, 1),
+            one(level.off_knuckle_ms),
             one(level.free_flight_ms),
             all(level, |grand| grand.free_flight_ms, 1),
         ]
     });
     print_line!(session, "  Timing in ms by the hammer's speed in m/s, beside {}:", names.join(" / "));
-    let heads = ["", "from hand", "travel", "grands", "key bottom", "grands", "free flight", "grands"];
+    let heads = ["", "from hand", "travel", "grands", "key bottom", "grands", "off knuckle", "free flight", "grands"];
     print_line!(session, "{}", Table::of(heads, cells));
 }
 

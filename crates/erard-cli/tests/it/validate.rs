@@ -34,7 +34,37 @@ fn a_validated_grand() {
             "struck_force_ff",
             "hammer_ahead_softest",
             "hammer_ahead_loudest",
-            "release_rebound",
+            "let_go_home",
+            "let_go_speed",
+            "let_go_humps",
+            "let_go_first_top",
+            "let_go_first_height",
+            "led_up_rebound",
+            "hammer_sinks",
+            "hammer_bounces",
+            "travel_pressed_2",
+            "travel_pressed_5",
+            "travel_struck_0_9",
+            "travel_boesendorfer_pressed_2",
+            "travel_boesendorfer_pressed_5",
+            "travel_pressed_1_5",
+            "travel_pressed_3",
+            "key_bottom_struck_1_5",
+            "key_bottom_struck_2",
+            "key_bottom_struck_3",
+            "free_flight_pressed_0_5",
+            "free_flight_pressed_0_7",
+            "free_flight_pressed_0_9",
+            "free_flight_pressed_1_5",
+            "free_flight_pressed_2",
+            "free_flight_pressed_3",
+            "free_flight_pressed_5",
+            "free_flight_struck_0_7",
+            "free_flight_struck_0_9",
+            "free_flight_struck_1_5",
+            "free_flight_struck_2",
+            "free_flight_struck_3",
+            "free_flight_struck_5",
         ]
     );
     // Groups hold every judged row once; what was set counts apart from what is predicted.
@@ -63,6 +93,16 @@ fn a_validated_grand() {
     ));
     assert_eq!(csv::Reader::from_reader(csv.as_bytes()).records().count(), rows.len());
     assert!(report["constant_force"].as_array().unwrap().len() > 10);
+    // Every level beside the grands: the model's times are those of its rows, and the grands' are the published curves.
+    let grands = report["grands"].as_array().unwrap();
+    assert_eq!(grands.len(), 13);
+    for (level, name) in [(&grands[0], "travel_pressed_0_5"), (&grands[7], "travel_struck_0_7")] {
+        let row = rows.iter().find(|row| row["name"] == name).unwrap();
+        assert_eq!(level["travel_ms"], row["simulated"], "{name}");
+    }
+    assert_eq!(grands[4]["grands"][0]["grand"], "Steinway C");
+    assert!((grands[4]["grands"][0]["travel_ms"].as_f64().unwrap() - 60.06).abs() < 0.01);
+    assert!(told.contains("pressed 0.5") && told.contains("60/59/61"), "{told}");
     assert!(folder.read("out/order-of-events.svg").ends_with("</svg>\n"));
     assert!(folder.0.join("out/order-of-events.png").exists());
 }

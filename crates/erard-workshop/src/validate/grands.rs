@@ -180,7 +180,8 @@ impl Curves {
         let own: Vec<f64> = self.grands.iter().map(|grand| at(grand)).collect();
         let low = own.iter().copied().fold(f64::INFINITY, f64::min);
         let high = own.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        // Around one grand the range reaches as far as the others lie from it: a row that a real grand misses is no test.
+        // Around one grand the range reaches as far as the others lie from it: a row that a real grand misses is no
+        // test.
         let apart = match own[..] {
             [one] => grands().into_iter().map(|other| (at(other) - one).abs()).fold(0.0, f64::max),
             _ => 0.0,
@@ -225,6 +226,8 @@ pub struct BesideGrands {
     pub key_bottom_ms: Option<f64>,
     /// From the hammer's largest speed to the impact, ms.
     pub free_flight_ms: Option<f64>,
+    /// From the last push of jack or lever at the knuckle to the impact, ms; shown, and compared with nothing.
+    pub off_knuckle_ms: Option<f64>,
     /// Names of the grands with their travel, key bottom and free flight, ms.
     pub grands: Vec<(&'static str, [f64; 3])>,
 }
@@ -236,6 +239,8 @@ impl BesideGrands {
         let press = run.map(|run| SimulatedPress::of(instrument, run, Drive::Constant(0.0)));
         let impact_s = run.and_then(|run| run.events.hammer_contact_s());
         let flight_s = run.zip(impact_s).map(|(run, impact_s)| impact_s - fastest_s(run, impact_s));
+        let off_knuckle_s =
+            run.zip(impact_s).and_then(|(run, impact_s)| Some(impact_s - off_knuckle_s(instrument, run, impact_s)?));
         let published = |grand: &'static str| {
             let at = |quantity| published_ms(grand, touch, quantity, speed_m_per_s).unwrap_or(f64::NAN);
             (grand, Timing::ALL.map(at))
@@ -247,6 +252,7 @@ impl BesideGrands {
             travel_of_hand_ms: ms(impact_s),
             key_bottom_ms: ms(press.and_then(|press| press.hammer_ahead_s)),
             free_flight_ms: ms(flight_s),
+            off_knuckle_ms: ms(off_knuckle_s),
             grands: grands().into_iter().map(published).collect(),
         }
     }
@@ -258,6 +264,13 @@ fn fastest_s(run: &Run, impact_s: f64) -> f64 {
     let speeds = &run.hammer_rise_m_per_s[..until];
     let fastest = (0..speeds.len()).max_by(|&a, &b| speeds[a].total_cmp(&speeds[b]));
     fastest.map_or(impact_s, |row| run.time_s[row])
+}
+
+/// Instant at which jack or lever last pushed the knuckle before the impact, s.
+fn off_knuckle_s(instrument: &Instrument, run: &Run, impact_s: f64) -> Option<f64> {
+    let until = run.time_s.partition_point(|&t| t < impact_s);
+    let pushes = |row: &usize| instrument.roles.knuckle.iter().any(|&zone| run.zones[zone].normal_n[*row] > 0.0);
+    (0..until).rev().find(pushes).map(|row| run.time_s[row])
 }
 
 /// Plays every touch at every level.

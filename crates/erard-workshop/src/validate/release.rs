@@ -23,7 +23,8 @@ const RISE_N_S: f64 = 100.0;
 const LEAVES_S: f64 = 0.03;
 /// Time after which recording ends, s: the hammer has bounced twice.
 const FOLLOWED_S: f64 = 0.45;
-/// Place of the sensor behind the balance pin, m: at the damper. An estimate; without a lift of the key it has no effect.
+/// Place of the sensor behind the balance pin, m: at the damper. An estimate; without a lift of the key it has no
+/// effect.
 const SENSOR_M: f64 = 0.235;
 /// Rise from the held position at which a key has left it, m, and travel below which it is home, m.
 const LEFT_M: f64 = 1e-3;
@@ -57,7 +58,7 @@ pub(super) struct Release {
     /// Humps after landing; `None` if the key does not come home.
     pub humps: Option<Vec<Hump>>,
     /// How long the hammer is below its place of rest as it comes home, how long above, below and above again.
-    pub hammer_s: Option<[f64; 4]>,
+    pub hammer_s: [Option<f64>; 4],
 }
 
 /// The two kinds of release.
@@ -150,13 +151,12 @@ impl Course {
     }
 
     /// Times between the first five instants at which the hammer passes the place where it comes to rest.
-    fn hammer_s(&self) -> Option<[f64; 4]> {
-        let rest_m = self.hammer_m.last()?;
-        let above = |row: usize| self.hammer_m[row] > *rest_m;
+    fn hammer_s(&self) -> [Option<f64>; 4] {
+        let rest_m = self.hammer_m.last().copied().unwrap_or(0.0);
+        let above = |row: usize| self.hammer_m[row] > rest_m;
         let passes = (1..self.hammer_m.len()).filter(|row| above(*row) != above(row - 1));
         let rows: Vec<usize> = passes.take(5).collect();
-        let [a, b, c, d, e] = rows[..] else { return None };
-        Some([b - a, c - b, d - c, e - d].map(|rows| rows as f64 * STEP_S))
+        std::array::from_fn(|n| rows.get(n..n + 2).map(|pair| (pair[1] - pair[0]) as f64 * STEP_S))
     }
 }
 
