@@ -1,5 +1,6 @@
 //! A sample on the bench: regulated to the distances of its base instrument, with friction and leads adjusted.
 
+use super::random::share;
 use crate::distances::{self, Distances, Protocol};
 use crate::measure::MeasureError;
 use crate::measure::norms::norms_key;
@@ -24,11 +25,10 @@ const LEAST_FRICTION: f64 = 0.1;
 /// Key travel per hammer travel on the way to let-off.
 const KEY_PER_HAMMER: f64 = 0.19;
 
-/// Target of a sample: distances and balance weight of its base instrument, and the key whose usual ranges hold.
+/// Target of a sample: distances of its base instrument, and the key whose usual ranges hold.
 #[derive(Debug, Clone)]
 pub(super) struct Aim {
     goals: Specification,
-    balance_g: f64,
     key: usize,
 }
 
@@ -73,8 +73,9 @@ impl Range {
         Range { low: self.low + margin, high: self.high - margin }
     }
 
-    fn and(self, low: f64, high: f64) -> Self {
-        Range { low: self.low.max(low), high: self.high.min(high) }
+    /// Value at a share of the range.
+    fn at(self, share: f64) -> f64 {
+        self.low + share * (self.high - self.low)
     }
 
     /// Nearest value in the range; `None` if it is empty.
@@ -94,18 +95,18 @@ impl Aim {
             let has_screw = goal.screws().any(|(known, _)| instrument.screw(known.name).is_some());
             Some((goal, goal.of(&own)?)).filter(|_| has_screw)
         });
-        let balance_g = touch(instrument, progress)?.balance_weight_g().unwrap_or(f64::NAN);
-        Ok(Aim { goals: goals.collect(), balance_g, key: norms_key(instrument) })
+        Ok(Aim { goals: goals.collect(), key: norms_key(instrument) })
     }
 
-    /// Returns the text of a drawn file with screws, friction and leads adjusted.
-    pub(super) fn put_right(&self, text: &str, progress: &mut Progress<'_>) -> Result<String, Unfit> {
+    /// Returns the text of a drawn file with screws, friction and leads adjusted, weighed to the balance weight of this
+    /// sample's piano.
+    pub(super) fn put_right(&self, text: &str, sample: u32, progress: &mut Progress<'_>) -> Result<String, Unfit> {
         let (text, found) = regulated(text, &self.goals, progress)?;
         let (text, found) = match self.for_aftertouch(&found)? {
             Some(goals) => regulated(&text, &goals, progress)?,
             None => (text, found),
         };
-        let text = self.weighed(&text, progress)?;
+        let text = self.weighed(&text, sample, progress)?;
         let touch = touch(&parsed(&text)?, progress)?;
         let mm = |distance: Option<f64>| distance.map(|m| MM_PER_M * m);
         let checked = [
@@ -115,8 +116,6 @@ impl Aim {
             ("drop_mm", mm(found.drop_m)),
             ("aftertouch_mm", mm(found.aftertouch_m)),
             ("check_mm", mm(found.check_m)),
-            ("down_weight_g", touch.down_weight_g),
-            ("up_weight_g", touch.up_weight_g),
             ("balance_weight_g", touch.balance_weight_g()),
             ("friction_weight_g", touch.friction_weight_g()),
         ];
@@ -145,23 +144,18 @@ impl Aim {
         Ok(Some(self.goals.iter().map(other).collect()))
     }
 
-    /// Adjusts friction of the key's pins and leads so that friction, balance, down- and up-weight are in their usual
-    /// ranges: friction as near as possible to the drawn one, and balance to the file's.
-    fn weighed(&self, text: &str, progress: &mut Progress<'_>) -> Result<String, Unfit> {
+    /// Adjusts friction of the key's pins and leads: friction as near to the drawn one as its usual range allows, and
+    /// the balance weight that this sample's piano is weighed to, anywhere within its usual range. Down-weight and
+    /// up-weight follow: pianos are weighed to a balance weight, and the usual ranges of all four do not go together.
+    fn weighed(&self, text: &str, sample: u32, progress: &mut Progress<'_>) -> Result<String, Unfit> {
         let instrument = parsed(text)?;
         let found = touch(&instrument, progress)?;
         let (Some(balance_g), Some(friction_g)) = (found.balance_weight_g(), found.friction_weight_g()) else {
             return Err(Unfit::Implausible);
         };
         let range = |line: &str| Range::of(line, self.key).within(INSIDE_G);
-        let (down, up) = (range("down_weight_g"), range("up_weight_g"));
-        // D = B + F and U = B - F: no B goes with an F below half the distance of the lowest D and the highest U.
-        let parting = 0.5 * (down.low - up.high);
-        let friction = range("friction_weight_g").and(parting, f64::INFINITY);
-        let wanted_g = friction.nearest(friction_g).ok_or(Unfit::Implausible)?;
-        let balance = range("balance_weight_g").and(down.low - wanted_g, down.high - wanted_g);
-        let balance = balance.and(up.low + wanted_g, up.high + wanted_g);
-        let aim_g = balance.nearest(self.balance_g).ok_or(Unfit::Implausible)?;
+        let wanted_g = range("friction_weight_g").nearest(friction_g).ok_or(Unfit::Implausible)?;
+        let aim_g = range("balance_weight_g").at(share(sample, "balance weight"));
 
         let parts = Parts::of(&instrument).map_err(|_| Unfit::Implausible)?;
         let front_mm = MM_PER_M * instrument.roles.key_front_m[0].abs();

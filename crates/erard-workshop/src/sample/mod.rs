@@ -2,8 +2,8 @@
 //!
 //! A sample is one grand. Every number of the file with a spread deviates, numbers that are `together` by the same
 //! share of theirs (`draw`, `random`); then screws, friction and leads are adjusted on the bench (`bench`), as a
-//! technician would: the drawn piano has the distances and the balance weight of the file's, and a friction weight
-//! within the usual range. A grand that cannot be adjusted so is drawn again.
+//! technician would: the drawn piano has the distances of the file's, a balance weight that is drawn from the usual
+//! range, and a friction weight within its usual range. A grand that cannot be adjusted so is drawn again.
 //!
 //! A sample depends on its number and the file alone, and has the same bits on every machine: integers, `libm` and the
 //! engine. Keys of one keyboard are one piano: its base instrument is drawn, graded over the keys, and each key is
@@ -121,7 +121,7 @@ impl Sampled {
         let base = self.base_text(sample, progress)?;
         let Some((keyboard, key, aim)) = &self.key else { return Ok(base) };
         let text = keyboard.around(base)?.key_text(*key);
-        match aim.put_right(&text, progress) {
+        match aim.put_right(&text, sample, progress) {
             Ok(right) => Ok(named(&right, sample)),
             Err(Unfit::Implausible) => {
                 Err(SampleError::Hopeless { file: format!("{}, key {key}, sample {sample}", self.name) })
@@ -140,7 +140,7 @@ impl Sampled {
             let Some(drawn) = draw::drawn(&self.base, &self.base_text, sample, attempt) else {
                 return Err(SampleError::Certain { file: self.name.clone() });
             };
-            match self.base_aim.put_right(&drawn, progress) {
+            match self.base_aim.put_right(&drawn, sample, progress) {
                 Ok(right) => return Ok(named(&right, sample)),
                 Err(Unfit::Implausible) => {}
                 Err(Unfit::Stopped) => return Err(SampleError::Interrupted),

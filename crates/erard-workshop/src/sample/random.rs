@@ -11,12 +11,18 @@ const NINE_TENTHS: f64 = 0.9534;
 pub(super) fn deviation(sample: u32, attempt: u32, name: &str, component: usize) -> f64 {
     let mut state =
         mixed(fnv1a(FNV1A, name.bytes()) ^ mixed(u64::from(sample) << 32 | u64::from(attempt)) ^ component as u64);
-    let mut sum = 0.0;
-    for _ in 0..4 {
-        state = state.wrapping_add(GOLDEN_GAMMA);
-        sum += (mixed(state) >> 11) as f64 * (0.5_f64).powi(53);
-    }
+    let sum: f64 = (0..4).map(|_| uniform(&mut state)).sum();
     (sum - 2.0) / NINE_TENTHS
+}
+
+/// Returns a number from 0 to 1, all equally likely, that does not depend on the attempt.
+pub(super) fn share(sample: u32, name: &str) -> f64 {
+    uniform(&mut mixed(fnv1a(FNV1A, name.bytes()) ^ mixed(u64::from(sample) << 32)))
+}
+
+fn uniform(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(GOLDEN_GAMMA);
+    (mixed(*state) >> 11) as f64 * (0.5_f64).powi(53)
 }
 
 /// SplitMix64 (Steele, Lea and Flood 2014).
@@ -51,6 +57,22 @@ mod tests {
             let other = (1..=N).map(|sample| deviation(sample, attempt, name, component));
             let product = all.iter().zip(other).map(|(a, b)| a * b).sum::<f64>() / n;
             assert!(product.abs() < 4.0 * expected / n.sqrt(), "{name} {attempt} {component}: {product}");
+        }
+    }
+
+    /// All shares are equally likely: mean a half, variance a twelfth, as many below a quarter as above three.
+    #[test]
+    fn shares_are_even() {
+        const N: u32 = 20_000;
+        let all: Vec<f64> = (1..=N).map(|sample| share(sample, "balance weight")).collect();
+        let n = f64::from(N);
+        let mean = all.iter().sum::<f64>() / n;
+        let variance = all.iter().map(|u| (u - mean).powi(2)).sum::<f64>() / n;
+        assert!((mean - 0.5).abs() < 4.0 * (1.0 / 12.0 / n).sqrt(), "{mean}");
+        assert!((12.0 * variance - 1.0).abs() < 4.0 * (0.8 / n).sqrt(), "{variance}");
+        for quarter in [0.0, 0.75] {
+            let within = all.iter().filter(|u| (quarter..quarter + 0.25).contains(*u)).count() as f64 / n;
+            assert!((within - 0.25).abs() < 4.0 * (0.1875 / n).sqrt(), "{quarter}: {within}");
         }
     }
 

@@ -63,8 +63,16 @@ fn a_sample_is_one_plausible_grand() {
     let knuckle = |zone: &str| numbers_at(&text, &format!("zone.{zone}.disc.center_mm")).unwrap();
     assert_eq!(knuckle("jack_knuckle"), knuckle("lever_knuckle"));
 
-    let keys =
-        ["dip_mm", "blow_mm", "let_off_mm", "drop_mm", "aftertouch_mm", "check_mm", "up_weight_g", "friction_weight_g"];
+    let keys = [
+        "dip_mm",
+        "blow_mm",
+        "let_off_mm",
+        "drop_mm",
+        "aftertouch_mm",
+        "check_mm",
+        "balance_weight_g",
+        "friction_weight_g",
+    ];
     let asked: Vec<_> = keys.iter().map(|key| lines().find(|line| line.key == *key).unwrap()).collect();
     let found = measure_some(&file.instrument, &asked, &mut |_| true).unwrap();
     for (line, value) in asked.iter().zip(found) {
@@ -73,6 +81,30 @@ fn a_sample_is_one_plausible_grand() {
         let margin = if line.unit == "g" { 0.5 } else { 1e-9 };
         assert!(((low - margin)..=(high + margin)).contains(&value.unwrap()), "{} {value:?}", line.key);
     }
+}
+
+/// Pianos are weighed to balance weights all over the usual range, 34 to 40 g, and their up-weights follow.
+#[test]
+#[ignore = "ci: four samples are drawn and weighed"]
+fn samples_have_different_balance_weights() {
+    let sampled = Sampled::of_file(grand(), GRAND, &mut |_| true).unwrap();
+    let asked = ["balance_weight_g", "up_weight_g"].map(|key| lines().find(|line| line.key == key).unwrap());
+    let weigh = |sample: u32| {
+        let text = sampled.text(sample, &mut |_| true).unwrap();
+        let file = InstrumentFile::parse(&text, "sample").unwrap();
+        measure_some(&file.instrument, &asked, &mut |_| true)
+            .unwrap()
+            .into_iter()
+            .map(Option::unwrap)
+            .collect::<Vec<_>>()
+    };
+    let weighed: Vec<Vec<f64>> = (1..=4).map(weigh).collect();
+    let span = |which: usize| {
+        let all = || weighed.iter().map(|one| one[which]);
+        all().fold(0.0, f64::max) - all().fold(f64::INFINITY, f64::min)
+    };
+    assert!(weighed.iter().all(|one| (33.5..40.5).contains(&one[0])), "{weighed:?}");
+    assert!(span(0) > 2.0 && span(1) > 2.0, "{weighed:?}");
 }
 
 mod nightly {
