@@ -125,6 +125,8 @@ pub struct Action {
     mechanism: Box<dyn Mechanism>,
     rest: Rest,
     identity: Identity,
+    /// Number of contact zones; the engine has room for more.
+    zones: usize,
     /// Target of a prescribed motion at the end of the last step, m from rest.
     aimed_m: Option<f64>,
 }
@@ -181,6 +183,7 @@ impl Action {
         let mut action = Action {
             rest: Rest { site_m: 0.0, head_m: 0.0 },
             identity: Identity::of(instrument),
+            zones: instrument.zones.len(),
             aimed_m: None,
             mechanism,
         };
@@ -400,7 +403,7 @@ impl Action {
     }
 
     fn zone(&self, zone: usize) -> Result<usize, IndexError> {
-        IndexError::check("zone", zone, self.mechanism.readout().tangential_forces.len()).map(|()| zone)
+        IndexError::check("zone", zone, self.zones).map(|()| zone)
     }
 
     /// Coulomb force of a contact zone in the last step, N, on side A along the tangent (the normal turned clockwise by
