@@ -874,8 +874,8 @@ char *erard_instrument_measure(const struct ErardInstrument *instrument,
  * that were turned, all distances before and after (the fields of the report that `erard regulate` writes), and
  * "file", the text of the instrument file with its new settings. The instrument itself does not change. If `goals` is
  * NULL, the goals are the trade's norms. Otherwise it is a JSON object of goals by name, with values in mm
- * (`repetition spring` in mm/s, `damper start` in %) or texts with units: {"let-off": 1.5, "blow": "1.8in"}. `progress`
- * may be NULL. Takes seconds. Returns NULL on failure. Free the text with erard_text_free.
+ * (`repetition spring` in mm/s, `damper start` in %) or texts with units: {"let-off": 1.5, "blow": "1.8in"}.
+ * `progress` may be NULL. Takes seconds. Returns NULL on failure. Free the text with erard_text_free.
  */
 char *erard_instrument_regulate(const struct ErardInstrument *instrument,
                                 const char *goals,

@@ -1,4 +1,4 @@
-//! Options that have another name now. Who types the old one is told the new one.
+//! Options that have another name now. The error of an old name gives the new one.
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
@@ -44,9 +44,9 @@ mod tests {
     use super::*;
     use crate::command::definition;
 
-    /// The old name is no option, the new one is; who types the old one is told the new one, and nothing else.
+    /// The old name is no option, the new one is. The error gives the new name, and no other tip.
     #[test]
-    fn the_new_name_is_told() {
+    fn the_error_gives_the_new_name() {
         for (subcommand, old, new) in RENAMED {
             let mut definition = definition();
             definition.build();
