@@ -9,7 +9,7 @@ mod grands;
 mod keys;
 mod presses;
 mod published;
-mod release;
+pub mod release;
 mod repeats;
 mod strings;
 mod touches;

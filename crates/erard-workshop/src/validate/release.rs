@@ -41,14 +41,16 @@ const HUMPS_S: f64 = 0.05;
 
 /// A hump of the key after it has landed: time of its top after that, s, and height, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Hump {
+pub struct Hump {
+    /// Time from the landing to the middle of the top, s.
     pub top_s: f64,
+    /// Largest travel, m below rest.
     pub height_m: f64,
 }
 
 /// A release. SI units; `None` for what did not happen.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Release {
+pub struct Release {
     /// Time from leaving the held position to home.
     pub home_s: Option<f64>,
     /// Speed upward between [`SPEED_M`].
@@ -57,6 +59,8 @@ pub(super) struct Release {
     pub rebound_m: Option<f64>,
     /// Humps after landing; `None` if the key does not come home.
     pub humps: Option<Vec<Hump>>,
+    /// Largest rise of the key's pivot from the drawn place after it was let go; `None` if it is nailed to its pin.
+    pub lift_m: Option<f64>,
     /// How long the hammer is below its place of rest as it comes home, how long above, below and above again.
     pub hammer_s: [Option<f64>; 4],
 }
@@ -68,13 +72,21 @@ pub(super) struct Releases {
     pub led_up: Release,
 }
 
+/// Releases a key that is held with a force, N, and loses it within 2 ms.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn let_go(instrument: &Instrument, held_n: f64, progress: &mut Progress<'_>) -> Result<Release, MeasureError> {
+    let force = |t: f64| Input::Force(held_n * (1.0 - (t - HELD_S) / GONE_S).clamp(0.0, 1.0));
+    Ok(Course::of(instrument, None, &force, progress)?.release())
+}
+
 pub(super) fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Releases, MeasureError> {
-    let let_go = |t: f64| Input::Force(HELD_N * (1.0 - (t - HELD_S) / GONE_S).clamp(0.0, 1.0));
     let muscle = Muscle::Rises { rate_n_s: RISE_N_S, height_n: HELD_N };
     let hand = HandStroke { muscle, ..HandStroke::ramped(RISE_N_S) }.leaving(HELD_S, LEAVES_S);
     let led_up = |t: f64| hand.hand.input(&hand.input(t)).unwrap_or(Input::Free);
     Ok(Releases {
-        let_go: Course::of(instrument, None, &let_go, progress)?.release(),
+        let_go: let_go(instrument, HELD_N, progress)?,
         led_up: Course::of(instrument, Some(&hand), &led_up, progress)?.release(),
     })
 }
@@ -85,6 +97,8 @@ struct Course {
     key_m: Vec<f64>,
     /// Rise of the hammer, m.
     hammer_m: Vec<f64>,
+    /// Largest rise of the key's pivot, m; `None` if it is nailed.
+    lift_m: Option<f64>,
 }
 
 impl Course {
@@ -105,13 +119,18 @@ impl Course {
         // The back is a body of this action.
         let at = |action: &Action| action.point(back, [SENSOR_M, 0.0]).map_or(f64::NAN, |[_, y]| y * lever);
         let rest_m = at(&action);
-        let mut course = Course { key_m: Vec::new(), hammer_m: Vec::new() };
+        let pin = instrument.lying().find(|(_, body)| Some(*body) == back);
+        let pivot = |action: &Action| action.point(back, [0.0; 2]).map_or(f64::NAN, |[_, y]| y);
+        // The arm of the pin is level as drawn.
+        let drawn_m = pin.map_or(0.0, |(arm, _)| instrument.bodies[arm].pivot_m[1]);
+        let mut course = Course { key_m: Vec::new(), hammer_m: Vec::new(), lift_m: pin.map(|_| 0.0) };
         let mut step = 0_u64;
         action.play(progress, &mut |action| {
             let t = step as f64 * STEP_S;
             if t >= HELD_S {
                 course.key_m.push(at(action) - rest_m);
                 course.hammer_m.push(action.reading().hammer_rise_m);
+                course.lift_m = course.lift_m.map(|most| most.max(pivot(action) - drawn_m));
             }
             step += 1;
             (t < HELD_S + FOLLOWED_S).then(|| input(t + theta * STEP_S))
@@ -135,6 +154,7 @@ impl Course {
             speed_m_per_s: self.speed_m_per_s(),
             rebound_m,
             humps: home.map(|home| humps(&key[home..])),
+            lift_m: self.lift_m,
             hammer_s: self.hammer_s(),
         }
     }

@@ -23,6 +23,7 @@ mod gives;
 mod impact;
 mod landing;
 mod levers;
+mod lying;
 mod order;
 mod outlook;
 mod release;
@@ -169,6 +170,7 @@ pub fn subjects() -> Vec<Subject> {
         subject("what-gives", "What yields in a loud note, and what it does to timing", 8.0, gives::section),
         subject("train-felts", "Stiffness and loss of heel and knuckle", 16.0, train::section),
         subject("dynamics", "From gentle to loud: touches, hands, travel times", 3.0, dynamics::section),
+        subject("lying-key", "The key that lies on its balance rail", 1.0, lying::section),
         subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
         subject("events", "How events converge, and which of them are chance", 6.0, events::section),
         subject("laid-weight", "A weight laid on the key", 1.0, weight::section),

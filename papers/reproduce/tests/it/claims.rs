@@ -19,6 +19,16 @@ fn claims_hold() {
     hold(&["paper2-felt", "paper3-levers", "released-key", "laid-weight"]);
 }
 
+/// What a lying key changes, and what it leaves open: no hold explains the first millimetre of a recorded release.
+#[test]
+fn a_lying_key_returns_less_and_still_starts_too_slowly() {
+    let grand = Instrument::builtin("concert-grand").expect("the built-in grand reads");
+    let subject = subjects().into_iter().find(|s| s.name == "lying-key").expect("a subject of this name");
+    let holds: Vec<bool> =
+        (subject.run)(&grand, &mut |_| true).expect("it can be computed").claims.iter().map(|c| c.holds).collect();
+    assert_eq!(holds, [true, true, false]);
+}
+
 // Slow subjects, one test each: they run side by side.
 
 #[test]
