@@ -138,7 +138,7 @@ fn the_point_that_was_measured_is_driven() {
     let grand = Instrument::builtin("concert-grand").unwrap();
     let setup = Setup { settings: Settings::new(50e-6), record_every: Some(1), ..Setup::new(0.06) };
     let run = simulate(&grand, &player::force(&force), &setup, &mut |_| true).unwrap();
-    let back = &run.bodies[grand.first_piece(grand.roles.key.unwrap())].angle_rad;
+    let back = &run.bodies[grand.first_piece(grand.roles.key.unwrap()).unwrap()].angle_rad;
     let front_m = grand.roles.key_front_m[0];
     let position: Vec<f64> = back.iter().map(|angle| -front_m * (angle - back[0])).collect();
     let series = Series {

@@ -42,8 +42,8 @@ impl Instrument {
     pub fn driven_at_key_back(&self) -> Instrument {
         let mut fields = self.fields.clone();
         if let Some(key) = fields.roles.key {
-            fields.roles.key_front_m = self.on_first_piece(key).to_world(fields.roles.key_front_m);
-            fields.roles.key = Some(self.first_piece(key));
+            fields.roles.key_front_m = self.placement_on_first(key).to_world(fields.roles.key_front_m);
+            fields.roles.key = Some(self.first_piece_of(key));
         }
         Instrument { fields }
     }
