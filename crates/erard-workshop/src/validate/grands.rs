@@ -101,8 +101,9 @@ impl Timing {
     }
 }
 
-/// Published value of a grand at a hammer speed, ms.
-fn published_ms(grand: &str, touch: Touch, quantity: Timing, speed_m_per_s: f64) -> Option<f64> {
+/// Published value of a grand at a hammer speed, m/s, in ms; `None` without a curve.
+#[must_use]
+pub fn published_ms(grand: &str, touch: Touch, quantity: Timing, speed_m_per_s: f64) -> Option<f64> {
     let of = |curve: &&Curve| curve.grand == grand && curve.touch == touch.name() && curve.quantity == quantity.name();
     let [a, b, c] = GRANDS.iter().find(of)?.numbers;
     Some(a * speed_m_per_s.powf(b) + c)

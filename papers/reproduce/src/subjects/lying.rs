@@ -10,8 +10,8 @@ use erard::player;
 use erard::run::{Run, Setup, simulate};
 use erard_workshop::validate::release::{Hump, Release, let_go};
 
-/// Stiffness of the punching, N/m2 as compressed slowly, and its loss: 0.11 mm under 25 N, the number that the comment of
-/// the capstan's heel has. Estimates.
+/// Stiffness of the punching, N/m2, and its loss: 0.11 mm under 25 N, the number that the comment of the capstan's heel
+/// has. Estimates.
 const PUNCHING_N_PER_M2: f64 = 1.33e9;
 const PUNCHING: Elastoplastic<f64> = Elastoplastic { damping: 2.6e8, eta: 0.5, slip: 0.1 };
 /// The heel's stiffness in the file is that of heel and punching in series; the heel alone is stiffer by this.

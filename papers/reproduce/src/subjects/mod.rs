@@ -29,6 +29,7 @@ mod outlook;
 mod release;
 mod solvers;
 mod strings;
+mod struck;
 mod touch;
 mod train;
 mod transfer;
@@ -170,6 +171,7 @@ pub fn subjects() -> Vec<Subject> {
         subject("what-gives", "What yields in a loud note, and what it does to timing", 8.0, gives::section),
         subject("train-felts", "Stiffness and loss of heel and knuckle", 16.0, train::section),
         subject("dynamics", "From gentle to loud: touches, hands, travel times", 3.0, dynamics::section),
+        subject("struck-hand", "What the struck hand does", 2.0, struck::section),
         subject("lying-key", "The key that lies on its balance rail", 1.0, lying::section),
         subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
         subject("events", "How events converge, and which of them are chance", 6.0, events::section),

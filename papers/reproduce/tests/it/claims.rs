@@ -21,6 +21,7 @@ fn claims_hold() {
 
 /// What a lying key changes, and what it leaves open: no hold explains the first millimetre of a recorded release.
 #[test]
+#[ignore = "ci: a slow subject of the report"]
 fn a_lying_key_returns_less_and_still_starts_too_slowly() {
     let grand = Instrument::builtin("concert-grand").expect("the built-in grand reads");
     let subject = subjects().into_iter().find(|s| s.name == "lying-key").expect("a subject of this name");
@@ -41,6 +42,12 @@ fn claims_of_transfer_functions_hold() {
 #[ignore = "ci: a slow subject of the report"]
 fn claims_of_the_finger_hold() {
     hold(&["paper2-finger"]);
+}
+
+#[test]
+#[ignore = "ci: a slow subject of the report"]
+fn claims_of_the_struck_hand_hold() {
+    hold(&["struck-hand"]);
 }
 
 fn hold(names: &[&str]) {
