@@ -3,10 +3,12 @@
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 /// Subcommand, option as it was called, and its name now.
-const RENAMED: [(&str, &str, &str); 18] = [
+const RENAMED: [(&str, &str, &str); 20] = [
     ("calibrate", "--law", "--sensor-law"),
+    ("calibrate", "--out", "--out-file"),
     ("fit", "--most", "--max-evaluations"),
     ("fit", "--vary", "--parameters"),
+    ("fmu", "--out", "--out-file"),
     ("keyboard", "--carry-out", "--simulate-work"),
     ("keyboard", "--leads", "--lead-masses"),
     ("keyboard", "--sample", "--checked-keys"),
