@@ -20,7 +20,7 @@ pub struct UnknownKey {
 #[must_use]
 pub fn note_name(key: usize) -> String {
     const NAMES: [&str; 12] = ["C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B"];
-    let from_c0 = key + 8;
+    let from_c0 = key.saturating_add(8);
     format!("{}{}", NAMES[from_c0 % 12], from_c0 / 12)
 }
 

@@ -102,7 +102,8 @@ fn absent(keyboard: &Keyboard, key: usize) -> Vec<&str> {
 /// bits and their sources. `None` if a number that is graded is not there.
 pub(super) fn graded_text(keyboard: &Keyboard, mut document: DocumentMut, key: usize) -> Option<String> {
     document["name"] = value(title(keyboard, key));
-    document["key"] = value(i64::try_from(key).ok()?);
+    // The reader refuses what is no key.
+    document["key"] = value(i64::try_from(key).unwrap_or(i64::MAX));
     if let Some(roles) = document.get_mut("roles").and_then(Item::as_table_like_mut) {
         // A file that says nothing has a natural.
         if is_sharp(key) {

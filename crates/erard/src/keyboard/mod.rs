@@ -80,7 +80,7 @@ impl Keyboard {
     /// A key's instrument with its provenance.
     ///
     /// # Errors
-    /// A grading leads to an impossible value, such as a negative mass.
+    /// There is no such key of a piano, or a grading leads to an impossible value, such as a negative mass.
     pub fn key_file(&self, key: usize) -> Result<InstrumentFile, Box<FileError>> {
         InstrumentFile::parse(&self.key_text(key), &self.key_name(key))
     }
@@ -100,7 +100,7 @@ impl Keyboard {
 
     /// A fault is found again in the key's own text, whose lines the error names.
     fn key_of(&self, base: Option<&GradedDocument<'_>>, key: usize) -> Result<Instrument, Box<FileError>> {
-        let read = base.and_then(|base| base.instrument(key));
+        let read = base.filter(|_| (1..=KEYS).contains(&key)).and_then(|base| base.instrument(key));
         read.map_or_else(|| Instrument::parse(&self.key_text(key), &self.key_name(key)), Ok)
     }
 

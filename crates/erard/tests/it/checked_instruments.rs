@@ -3,7 +3,7 @@
 use erard::damper::DamperHeights;
 use erard::grand::{Parts, falling_moment_n_m, front_weight_g, pedal_down, strike_weight_g, whippen_weight_g};
 use erard::instrument::{Bushing, DamperFelt, DrawnPart, InstrumentFields, Material, ScrewAction};
-use erard::keyboard::Keys;
+use erard::keyboard::{Keyboard, Keys};
 use erard::parameter::{Change as Typed, Parameter};
 use erard::{Action, Input, Instrument, Settings, one_dof};
 
@@ -174,5 +174,12 @@ fn indices_that_callers_pass_are_checked() {
         no_key(&DamperHeights::new(&[grand.clone(), grand.clone()]).of(key).unwrap_err());
     }
     assert_eq!(keys.awake(), 0);
+    let keyboard = Keyboard::builtin("concert-grand").unwrap();
+    for key in [0, 89, usize::MAX] {
+        for error in [keyboard.key(key).unwrap_err(), keyboard.key_file(key).map(|_| ()).unwrap_err()] {
+            let told = error.to_string();
+            assert!(told.contains("expected a number from 1 to 88, or a note from A0 to C8"), "{key}: {told}");
+        }
+    }
     assert!(keys.reading(1).is_ok() && keys.restore(2, &saved).is_ok());
 }
