@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use crate::instrument::Instrument;
 use crate::mechanism::Impact;
-use crate::player::{Action, ActionError, HandError, Snapshot, SnapshotError};
+use crate::player::{Action, ActionError, AtRest, HandError, RestPose, Snapshot, SnapshotError};
 use crate::progress::{ASK_EVERY, Progress};
 use crate::stroke::{HandStroke, Touch};
 
@@ -213,11 +213,29 @@ impl Reference {
     /// # Errors
     /// See [`LevelError`].
     pub fn new(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Self, LevelError> {
-        if instrument.roles.key.is_none() || instrument.roles.hammer.is_none() || instrument.roles.string.is_none() {
-            return Err(LevelError::Silent { instrument: instrument.name.clone() });
-        }
+        Reference::check(instrument)?;
         let action = Action::with_progress(instrument, Settings::new(instrument.usual_step_s()), progress)?;
         Ok(Reference { instrument: instrument.name.clone(), rest: action.save(), action })
+    }
+
+    /// [`Reference::new`] at a rest that has been found before.
+    ///
+    /// # Errors
+    /// See [`LevelError`].
+    pub fn at_rest(rest: &RestPose) -> Result<Self, LevelError> {
+        let instrument = rest.instrument();
+        Reference::check(instrument)?;
+        let action = rest.action(Settings::new(instrument.usual_step_s()))?;
+        Ok(Reference { instrument: instrument.name.clone(), rest: action.save(), action })
+    }
+
+    /// Whether an instrument can sound.
+    fn check(instrument: &Instrument) -> Result<(), LevelError> {
+        let roles = &instrument.roles;
+        match (roles.key, roles.hammer, roles.string) {
+            (Some(_), Some(_), Some(_)) => Ok(()),
+            _ => Err(LevelError::Silent { instrument: instrument.name.clone() }),
+        }
     }
 
     /// The first impact of a stroke; `None` where it does not sound.

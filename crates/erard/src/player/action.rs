@@ -102,7 +102,8 @@ impl Reading {
 
 /// A grand action that is stepped from outside: takes a force or a position, returns the mechanism's response.
 ///
-/// It starts at rest, friction included, with nothing touching the key. [`Action::step`] never allocates, never panics
+/// It starts at rest, friction included, with nothing touching the key: at the pose to which the drawing settles, or
+/// where a blow left it ([`super::RestPose`]). [`Action::step`] never allocates, never panics
 /// and takes a bounded number of iterations. This also holds for all other functions here, except [`Action::new`],
 /// [`Action::with`] and those that say otherwise. Nothing uses a clock or a thread.
 ///
@@ -350,6 +351,16 @@ impl Action {
         }
         self.mechanism.set(StatePart::Instant(until_s));
         true
+    }
+
+    /// Puts the bodies at these angles, rad, at a standstill.
+    pub(super) fn put(&mut self, angles: &[f64]) {
+        let mut saved = self.mechanism.save();
+        for (own, angle) in saved.state.angle.iter_mut().zip(angles) {
+            *own = *angle;
+        }
+        self.mechanism.restore(&saved);
+        self.stop();
     }
 
     /// Sets all velocities to zero.

@@ -13,6 +13,7 @@ mod reactions;
 mod recorder;
 #[doc(hidden)] // for `erard-workshop`, which plays strokes in lanes by the same rules as a run
 pub mod rest;
+mod rest_pose;
 pub(crate) mod snapshot;
 mod work;
 
@@ -27,5 +28,6 @@ pub use losses::{ContactLoss, Loss, LossRecorder, Losses, PinLoss};
 pub use observer::Observer;
 pub use reactions::{PinSeries, ReactionRecorder, Reactions};
 pub use recorder::{BodySeries, Recorded, Recorder, StringSeries, ZoneSeries};
+pub use rest_pose::{AtRest, BLOW_N, HELD_S, LET_UP_S, RestKind, RestPose};
 pub use snapshot::{MARK as SNAPSHOT_MARK, MechanismState, Snapshot, SnapshotError, StepSettings};
 pub use work::{ControlWork, Work};

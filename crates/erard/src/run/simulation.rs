@@ -5,7 +5,7 @@ use super::run_loop::RunLoop;
 use super::setup::{Setup, SimulationError};
 use crate::instrument::Instrument;
 use crate::mechanism::Halving;
-use crate::player::{Action, Drive, Input, Observer, Snapshot};
+use crate::player::{Action, AtRest, Drive, Input, Observer, RestPose, Snapshot};
 use crate::progress::Progress;
 use crate::stroke::HandStroke;
 use crate::trust::WarningKind;
@@ -32,7 +32,20 @@ pub fn simulate(
     setup: &Setup,
     progress: &mut Progress<'_>,
 ) -> Result<Run, SimulationError> {
-    simulate_before(instrument, drive, setup, None, progress)
+    simulate_before(instrument, None, drive, setup, None, progress)
+}
+
+/// [`simulate`] from a rest that has been found before.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_at_rest(
+    rest: &RestPose,
+    drive: &Drive<'_>,
+    setup: &Setup,
+    progress: &mut Progress<'_>,
+) -> Result<Run, SimulationError> {
+    simulate_before(rest.instrument(), Some(rest), drive, setup, None, progress)
 }
 
 /// [`simulate`] with an additional observer.
@@ -46,7 +59,7 @@ pub fn simulate_observed(
     observer: &mut dyn Observer,
     progress: &mut Progress<'_>,
 ) -> Result<Run, SimulationError> {
-    simulate_before(instrument, drive, setup, Some(observer), progress)
+    simulate_before(instrument, None, drive, setup, Some(observer), progress)
 }
 
 /// Simulates a touch: [`simulate`] with the hand and its muscle.
@@ -91,6 +104,7 @@ pub fn simulate_from(
 
 fn simulate_before(
     instrument: &Instrument,
+    rest: Option<&RestPose>,
     drive: &Drive<'_>,
     setup: &Setup,
     observer: Option<&mut dyn Observer>,
@@ -105,7 +119,10 @@ fn simulate_before(
     if setup.tolerance.is_some() && instrument.has_yielding_strings() {
         return Err(SimulationError::StringsControlled);
     }
-    let mut action = Action::with_progress(instrument, setup.settings, progress)?;
+    let mut action = match rest {
+        Some(rest) => rest.action(setup.settings)?,
+        None => Action::with_progress(instrument, setup.settings, progress)?,
+    };
     if setup.halving != Halving::Auto {
         action.halve(setup.halving);
     }

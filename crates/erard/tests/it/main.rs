@@ -28,6 +28,7 @@ mod reactions;
 mod readme;
 mod repose;
 mod rest;
+mod rest_pose;
 mod robustness;
 mod saved_states;
 mod shipped_instruments;
