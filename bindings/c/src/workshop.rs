@@ -129,13 +129,13 @@ pub unsafe extern "C" fn erard_instrument_draw(
     })
 }
 
-/// Measures an instrument as a technician does and returns JSON. If `wanted` is NULL, the JSON is the whole sheet, as
-/// `erard measure --json` writes it for an instrument. Otherwise `wanted` names lines of the sheet, separated by commas
-/// ("down_weight_g,dip_mm"); the JSON is an object of their values, and only these are measured. `key` is the piano key
-/// whose usual ranges hold, 1 to 88 (erard_key_number reads notes); 0 is the instrument's own, or C4 where it does not
-/// know its key. `progress` may be NULL; with `wanted` its share is NaN. Takes tenths of a second to seconds. Returns
-/// NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown line or key and ERARD_STATUS_ARGUMENT for a key other than
-/// the instrument's own. Free the text with erard_text_free.
+/// Measures an instrument as a technician does, from where it rests after a moderate blow, and returns JSON. If
+/// `wanted` is NULL, the JSON is the whole sheet, as `erard measure --json` writes it for an instrument. Otherwise
+/// `wanted` names lines of the sheet, separated by commas ("down_weight_g,dip_mm"); the JSON is an object of their
+/// values, and only these are measured. `key` is the piano key whose usual ranges hold, 1 to 88 (erard_key_number reads
+/// notes); 0 is the instrument's own, or C4 where it does not know its key. `progress` may be NULL; with `wanted` its
+/// share is NaN. Takes tenths of a second to seconds. Returns NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown
+/// line or key and ERARD_STATUS_ARGUMENT for a key other than the instrument's own. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_measure(
     instrument: *const ErardInstrument,
@@ -150,7 +150,8 @@ pub unsafe extern "C" fn erard_instrument_measure(
         // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it
         // meanwhile.
         let own = unsafe { given(instrument) }?.instrument();
-        let instrument = &of_key(own, key)?;
+        let of_key = of_key(own, key)?;
+        let instrument: &Instrument = &of_key;
         let tell = |share: f64| going(progress, user, share);
         if wanted.is_null() {
             let sheet = measure(instrument, &mut |share| tell(share)).map_err(|error| not_measured(&error))?;

@@ -5,13 +5,14 @@ use std::path::Path;
 use erard::instrument::Instrument as Inner;
 use erard::instrument_spec::InstrumentSpec;
 use erard::parameter::Quantity;
+use erard::player::{RestKind, RestPose};
 use erard::run::{Setup, simulate};
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pose_picture};
 use erard_kinematics::three_lever::StrokePose;
 use erard_kinematics::{Design, LinkageFile, derive};
-use erard_workshop::distances::Protocol;
+use erard_workshop::distances::{DistanceError, Protocol};
 use erard_workshop::measure::norms::{Line, MIDDLE_C, lines, norms_key};
-use erard_workshop::measure::{measure as measure_all, measure_some};
+use erard_workshop::measure::{MeasureError, measure as measure_all, measure_some};
 use erard_workshop::regulate::{
     Goal, Miss, RegulateError, Specification, parse_value, regulate as turn, regulate_following, show,
 };
@@ -48,39 +49,51 @@ pub(crate) fn lines_named(argument: &str, names: &[String]) -> PyResult<Vec<&'st
 
 /// Measures an instrument and returns the sheet, or only some of its lines, as JSON; and the key whose norms hold.
 #[pyfunction]
-#[pyo3(signature = (instrument, key, only, progress))]
+#[pyo3(signature = (instrument, key, only, rest, progress))]
 pub(crate) fn measure(
     py: Python<'_>,
     instrument: &Instrument,
     key: Option<Key>,
     only: Option<Vec<String>>,
+    rest: &str,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, usize)> {
     let mut inner = (*instrument.inner).clone();
     if let Some(key) = key {
         inner.set_key(key.number("key")?).map_err(|error| wrong_argument("key", error.to_string()))?;
     }
-    let key = norms_key(&inner);
+    let (key, kind) = (norms_key(&inner), rest_named(rest)?);
+    let at_rest = move |going: &mut erard::Progress<'_>| RestPose::of(&inner, kind, going).map_err(MeasureError::from);
     let Some(only) = only else {
-        let sheet = watched(py, progress, move |going| measure_all(&inner, going), fault::measure)?;
+        let sheet = watched(py, progress, move |going| measure_all(&at_rest(going)?, going), fault::measure)?;
         return Ok((serde_json::to_string(&sheet).map_err(failed)?, key));
     };
     let chosen = lines_named("only", &only)?;
-    let values = watched(py, progress, |going| measure_some(&inner, &chosen, going), fault::measure)?;
+    let values = watched(py, progress, |going| measure_some(&at_rest(going)?, &chosen, going), fault::measure)?;
     let object: serde_json::Map<String, serde_json::Value> =
         chosen.iter().zip(values).map(|(line, value)| (line.key.to_owned(), value.into())).collect();
     Ok((serde_json::to_string(&object).map_err(failed)?, key))
 }
 
+/// The rest of an argument.
+fn rest_named(text: &str) -> PyResult<RestKind> {
+    match text {
+        "as-played" => Ok(RestKind::AsPlayed),
+        "as-drawn" => Ok(RestKind::AsDrawn),
+        _ => Err(wrong_argument("rest", format!("found `{text}`, expected as-played or as-drawn"))),
+    }
+}
+
 /// Turns screws until goals are met. Returns the new instrument and the outcome of each goal and screw.
 #[pyfunction]
-#[pyo3(signature = (instrument, goals, norms, follow, progress))]
+#[pyo3(signature = (instrument, goals, norms, follow, rest, progress))]
 pub(crate) fn regulate<'py>(
     py: Python<'py>,
     instrument: &Instrument,
     goals: Vec<(String, Value)>,
     norms: bool,
     follow: bool,
+    rest: &str,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Instrument, Bound<'py, PyDict>)> {
     let mut specification: Specification = Vec::new();
@@ -105,12 +118,15 @@ pub(crate) fn regulate<'py>(
         let given: Vec<Goal> = specification.iter().map(|(goal, _)| *goal).collect();
         specification.extend(Goal::norms().into_iter().filter(|(goal, _)| !given.contains(goal)));
     }
-    let inner = instrument.inner.clone();
+    let (inner, kind) = (instrument.inner.clone(), rest_named(rest)?);
     let work = if follow { regulate_following } else { turn };
     let regulated = watched(
         py,
         progress,
-        move |going| work(&inner, &specification, &Protocol::default(), &mut |status| going(status.share)),
+        move |going| {
+            let rest = RestPose::of(&inner, kind, going).map_err(DistanceError::from)?;
+            work(&rest, &specification, &Protocol::default(), &mut |status| going(status.share))
+        },
         |error| match error {
             RegulateError::NoScrew { .. } => wrong(error),
             error => failed(error),

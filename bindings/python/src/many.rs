@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use erard::Progress;
 use erard::instrument::Instrument as Inner;
+use erard::player::RestKind;
 use erard::run::{Setup, SimulationError};
 use erard::stroke::{PositionOf, Prescribed, Stroke as InnerStroke};
 use erard_workshop::compare::Which;
@@ -236,6 +237,7 @@ pub(crate) fn study<'py>(
         model: Which::Action,
         axes: &axes,
         lines: &lines,
+        rest: RestKind::AsPlayed,
         stroke: &stroke,
         each: None,
         setup: &setup,

@@ -8,6 +8,7 @@ use erard::Progress;
 use erard::grand::{Parts, pedal_down};
 use erard::instrument::Instrument;
 use erard::keyboard::note_name;
+use erard::player::AtRest;
 
 /// A key on the bench.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,8 +80,9 @@ pub fn weigh(keys: &[(usize, Instrument)], progress: &mut Progress<'_>) -> Resul
 fn loop_weights(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<(LoopWeights, f64), MeasureError> {
     let parts = Parts::of(instrument)?;
     let lifted = pedal_down(instrument, &parts)?;
-    let way = free_way(&lifted, &parts, progress)?;
-    Ok((by_loop(&lifted, way.end_m, progress)?, way.end_m))
+    let lifted = &*lifted.pose(progress)?;
+    let way = free_way(lifted, &parts, progress)?;
+    Ok((by_loop(lifted, way.end_m, progress)?, way.end_m))
 }
 
 /// Down-weight and up-weight from a slow loop, dampers lifted.

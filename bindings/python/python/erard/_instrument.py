@@ -295,7 +295,12 @@ class Instrument:
         return Run(columns, {**about, "notes": [made.note] if made.note else []}, made.title)
 
     def measure(
-        self, *, key: int | str | None = None, only: Sequence[str] | None = None, progress: bool | None = None
+        self,
+        *,
+        key: int | str | None = None,
+        only: Sequence[str] | None = None,
+        rest: str = "as-played",
+        progress: bool | None = None,
     ) -> Sheet:
         """Measures the action as a technician does: weights, distances, inertia, repetition, timing.
 
@@ -308,6 +313,9 @@ class Instrument:
         only : sequence of str, optional
             Names of the lines to measure, such as "down_weight_g", "effective_inertia_kg", "let_off_mm"; by default
             all.
+        rest : {"as-played", "as-drawn"}
+            How the action comes to rest before it is measured: played once and released, which is what a technician
+            reads, or settled from the angles in the file, where `press` starts.
         progress : bool, optional
             A progress bar.
 
@@ -324,7 +332,7 @@ class Instrument:
         ['dip_mm', 'let_off_mm']
         """
         with bar(progress, "measure") as tell:
-            text, judged = _erard.measure(self._inner, key, None if only is None else names_of("only", only), tell)
+            text, judged = _erard.measure(self._inner, key, None if only is None else names_of("only", only), rest, tell)
         return Sheet(self.name, json.loads(text), judged)
 
     def regulate(
@@ -332,6 +340,7 @@ class Instrument:
         *,
         norms: bool = False,
         follow: bool = False,
+        rest: str = "as-played",
         progress: bool | None = None,
         **goals: float | str,
     ) -> Instrument:
@@ -343,6 +352,9 @@ class Instrument:
             Use the trade's norms for goals that are not given. Without any goal they are always used.
         follow : bool
             Also turn other screws to restore the distances that the goals disturb.
+        rest : {"as-played", "as-drawn"}
+            How the action comes to rest before it is measured: played once and released, which is what a technician
+            reads, or settled from the angles in the file, where `press` starts.
         progress : bool, optional
             A progress bar.
         **goals
@@ -367,7 +379,7 @@ class Instrument:
             (name, goal if isinstance(goal, str) else number(name, goal)) for name, goal in goals.items()
         ]
         with bar(progress, "regulate") as tell:
-            inner, about = _erard.regulate(self._inner, asked, norms, follow, tell)
+            inner, about = _erard.regulate(self._inner, asked, norms, follow, rest, tell)
         made = Instrument._of(inner)
         made.regulation = about
         return made

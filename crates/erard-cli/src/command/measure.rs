@@ -5,11 +5,11 @@ use std::path::Path;
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::instrument_spec::InstrumentSpec;
-use erard::player;
-use erard::run::{Setup, SimulationError, simulate};
+use erard::player::{AtRest, RestKind, RestPose};
+use erard::run::SimulationError;
 use erard_workshop::balance::Lead;
 use erard_workshop::cores::{self, Ending};
-use erard_workshop::measure::norms::lines as all_lines;
+use erard_workshop::measure::norms::{Line, lines as all_lines};
 use erard_workshop::measure::{MeasureError, Sheet, measure, measure_some};
 use erard_workshop::sample::unless_interrupted;
 use erard_workshop::worklist::{Readings, worklist};
@@ -17,7 +17,7 @@ use moreau::Settings;
 use serde_json::Value;
 
 use super::bands::{self, BandOptions};
-use super::options::{Stays, key, measured_lines};
+use super::options::{RestBefore, Stays, key, measured_lines};
 use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -33,7 +33,7 @@ use crate::session::Session;
 use crate::sheet::{self, AdvisedInstrument, ORDER, before_and_after, beyond, in_the_end, left, tasks};
 use crate::units::Lengths;
 use crate::warn;
-use erard_figures::drawing::{PoseOptions, angles_at, pose_picture};
+use erard_figures::drawing::{PoseOptions, pose_picture};
 
 /// Text below the options.
 const AFTER: &str = include_str!("help/measure.txt");
@@ -59,6 +59,9 @@ pub(crate) struct Measure {
     /// sheet.json)
     #[arg(long)]
     sheet: bool,
+    /// How the action comes to rest before everything that is measured. The list of --sheet takes it as played
+    #[arg(long, value_name = "REST", value_enum, default_value = "as-played")]
+    rest: RestBefore,
     /// With --sheet: which one stays if dip and aftertouch cannot both be in range. The other changes within its range,
     /// then the blow
     #[arg(long, value_name = "WHAT", value_enum, default_value = "aftertouch", requires = "sheet")]
@@ -114,9 +117,10 @@ impl Measure {
         let measuring = if self.sheet { 0.8 } else { 1.0 };
         for (index, LabelledInstrument { label, instrument }) in named.into_iter().enumerate() {
             let mut tell = |share: f64| progress.tell(measuring * (index as f64 + share) / count);
-            let sheet = measure(&instrument, &mut tell)
-                .map_err(|error| Failure::Measure { label: label.clone(), error: Box::new(error) })?;
-            measured.push(Measured { label, instrument, sheet });
+            let failed = |error| Failure::Measure { label: label.clone(), error: Box::new(error) };
+            let rest = RestPose::of(&instrument, self.rest.into(), &mut tell).map_err(|error| failed(error.into()))?;
+            let sheet = measure(&rest, &mut tell).map_err(failed)?;
+            measured.push(Measured { label, rest, sheet });
         }
         let drawings = drawings(&measured)?;
         let mut advised = Vec::new();
@@ -124,7 +128,7 @@ impl Measure {
             progress.say("working out the list");
             let mut tell = |share: f64| progress.tell(0.8 + 0.2 * (index as f64 + share) / count);
             let readings = Readings::on(&one.sheet);
-            let list = worklist(&one.instrument, &readings, &leads, self.priority.into(), &mut tell)?;
+            let list = worklist(one.rest.instrument(), &readings, &leads, self.priority.into(), &mut tell)?;
             let drawing = drawings.get(index).map_or(String::new(), |drawn| drawn.picture.svg());
             advised.push(AdvisedInstrument {
                 measured: one,
@@ -153,7 +157,7 @@ impl Measure {
             output.json(session, "sheet.json", &reports)?;
             for (index, one) in advised.iter().enumerate() {
                 let Some(lines) = self.carry_out.map(usize::from) else { break };
-                let (text, begun) = (texts.get(index).map_or("", String::as_str), &one.measured.instrument);
+                let (text, begun) = (texts.get(index).map_or("", String::as_str), one.measured.rest.instrument());
                 let done = if lines < one.list.items.len() {
                     one.list.first(lines, begun, &mut |_| true)?.rewrite(begun, text)
                 } else {
@@ -245,16 +249,20 @@ impl Measure {
         let Some(one) = named.first() else { return Err(Failure::Internal("no instrument".into())) };
         let mut output = self.out.prepare(session, "measure", &["bands.csv", "bands.json"])?;
         let mut progress = session.progress("measuring");
-        let own = measure_some(&one.instrument, &lines, &mut |share| progress.tell(share))
+        let kind = self.rest.into();
+        let own = at_rest(&one.instrument, kind, &lines, &mut |share| progress.tell(share))
             .map_err(|error| Failure::Measure { label: one.label.clone(), error: Box::new(error) })?;
         drop(progress);
         let names: Vec<bands::NameAndUnit> =
             lines.iter().map(|line| (line.key.to_owned(), line.unit.to_owned())).collect();
         let keys: Vec<&str> = lines.iter().map(|line| line.key).collect();
-        let kept = keys.join(",");
+        let kept = match kind {
+            RestKind::AsPlayed => keys.join(","),
+            RestKind::AsDrawn => format!("{}, as drawn", keys.join(",")),
+        };
         let banded =
             bands::bands(session, asked, count, &names, &own, Some(("measured", &kept)), |instrument, _, progress| {
-                unless_interrupted(measure_some(instrument, &lines, progress)).map(Into::into)
+                unless_interrupted(at_rest(instrument, kind, &lines, progress)).map(Into::into)
             })?;
         banded.stage(session, &mut output)?;
         let written = output.commit(session)?;
@@ -276,8 +284,9 @@ impl Measure {
         let named = self.named(session, asked)?;
         let mut output = self.out.prepare(session, "measure", &["measure.csv", "measure.json"])?;
         let mut progress = session.progress("measuring");
-        let measure = |one: &LabelledInstrument, progress: &mut erard::Progress<'_>| match measure_some(
+        let measure = |one: &LabelledInstrument, progress: &mut erard::Progress<'_>| match at_rest(
             &one.instrument,
+            self.rest.into(),
             &lines,
             progress,
         ) {
@@ -400,15 +409,24 @@ impl Ending for Unmeasured {
     }
 }
 
+/// Lines of the sheet, from a rest of a kind.
+fn at_rest(
+    instrument: &Instrument,
+    kind: RestKind,
+    lines: &[&Line],
+    progress: &mut erard::Progress<'_>,
+) -> Result<Vec<Option<f64>>, MeasureError> {
+    measure_some(&RestPose::of(instrument, kind, progress)?, lines, progress)
+}
+
 /// A drawing of each action at rest.
 fn drawings(measured: &[Measured]) -> Result<Vec<Drawn>, Failure> {
     const STEP_S: f64 = 50e-6;
-    let setup = Setup { settings: Settings::new(STEP_S), ..Setup::new(STEP_S) };
     let mut drawings = Vec::new();
     for (index, one) in measured.iter().enumerate() {
-        let run = simulate(&one.instrument, &|_| player::Input::Free, &setup, &mut |_| true)?;
+        let action = one.rest.action(Settings::new(STEP_S)).map_err(SimulationError::from)?;
         // No letters in it: on a phone nobody could read them, and the caption says what it is.
-        let picture = pose_picture(&one.instrument, &angles_at(&run, 0), &PoseOptions::default());
+        let picture = pose_picture(one.rest.instrument(), action.angles(), &PoseOptions::default());
         let name = if measured.len() > 1 { format!("action-{}", index + 1) } else { "action".to_owned() };
         drawings.push(Drawn { name, alt: format!("{}, at rest", one.label), picture });
     }

@@ -8,6 +8,7 @@ use erard::instrument_spec::InstrumentSpec;
 use erard::key::{self, key_named};
 use erard::level::LevelError;
 use erard::parameter::{Bare, Quantity, canonical_name};
+use erard::player::RestKind;
 use erard::run::{Setup, SimulationError};
 pub(crate) use erard::stroke::Stroke;
 use erard::stroke::{Columns, DrivingError, Prescribed, Series, constant_force_fault};
@@ -45,6 +46,24 @@ impl From<Stays> for Priority {
         match stays {
             Stays::Dip => Priority::Dip,
             Stays::Aftertouch => Priority::Aftertouch,
+        }
+    }
+}
+
+/// How the action comes to rest before it is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum RestBefore {
+    /// Played once, a moderate blow, and released: what a technician reads
+    AsPlayed,
+    /// Settled from the angles in the instrument file, where `erard press` starts
+    AsDrawn,
+}
+
+impl From<RestBefore> for RestKind {
+    fn from(asked: RestBefore) -> Self {
+        match asked {
+            RestBefore::AsPlayed => RestKind::AsPlayed,
+            RestBefore::AsDrawn => RestKind::AsDrawn,
         }
     }
 }

@@ -7,14 +7,15 @@ use clap::Args;
 use erard::instrument::Instrument;
 use erard::instrument_spec::InstrumentSpec;
 use erard::parameter::aliases;
-use erard_workshop::distances::Protocol;
+use erard::player::RestPose;
+use erard_workshop::distances::{DistanceError, Protocol};
 use erard_workshop::measure::range::{HARDLY_HEARD_M_PER_S, double_strike};
 use erard_workshop::regulate::{
-    Goal, Regulated, Specification, Status, disturbed, parse_value, regulate, regulate_following,
+    Goal, RegulateError, Regulated, Specification, Status, disturbed, parse_value, regulate, regulate_following,
 };
 use erard_workshop::worklist::{is_usual_aftertouch, regulate_to_aftertouch};
 
-use super::options::Stays;
+use super::options::{RestBefore, Stays};
 use super::out::OwnFile;
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -52,6 +53,9 @@ pub(crate) struct Regulate {
     /// Also bring the aftertouch into its usual range, and keep WHAT if not both can be kept
     #[arg(long, value_name = "WHAT", value_enum)]
     priority: Option<Stays>,
+    /// How the action comes to rest before it is measured. --priority takes it as played
+    #[arg(long, value_name = "REST", value_enum, default_value = "as-played")]
+    rest: RestBefore,
     #[command(flatten)]
     lengths: Lengths,
     /// New instrument file [default: INSTRUMENT-regulated.toml in this folder]
@@ -135,6 +139,8 @@ impl Regulate {
             progress.tell(status.share)
         };
         let start = Instant::now();
+        let found = RestPose::of(&instrument, self.rest.into(), &mut |_| true);
+        let rest = found.map_err(|error| RegulateError::from(DistanceError::from(error)))?;
         let protocol = Protocol::default();
         let work = if self.follow { regulate_following } else { regulate };
         let settled = self
@@ -143,13 +149,13 @@ impl Regulate {
         let settled = settled.transpose()?;
         let regulated = match &settled {
             Some(settled) => settled.regulated.clone(),
-            None => work(&instrument, &specification, &protocol, &mut tell)?,
+            None => work(&rest, &specification, &protocol, &mut tell)?,
         };
         // Where a goal is missed, whether it is met when other screws follow.
         let help = if regulated.all_met() || self.follow || settled.is_some() {
             None
         } else {
-            let followed = regulate_following(&instrument, &specification, &protocol, &mut tell)?;
+            let followed = regulate_following(&rest, &specification, &protocol, &mut tell)?;
             followed.all_met().then_some(followed)
         };
         progress.say("soft notes");

@@ -11,7 +11,7 @@ use erard_workshop::sensitivities::Rest;
 use erard_workshop::study::{Axis, Column, GRADING, Grid, MAX_STROKES, MakeStroke, Source, Target, Workers, doubts};
 
 use super::bands::{self, BandOptions, BandRow, Banded};
-use super::options::{InstrumentOption, StepOptions, StrokeOptions, check, measured_lines};
+use super::options::{InstrumentOption, RestBefore, StepOptions, StrokeOptions, check, measured_lines};
 use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -62,6 +62,9 @@ pub(crate) struct Study {
     /// (down_weight_g,effective_inertia_kg,repetition_rate_half_hz)
     #[arg(long, value_name = "KEY,KEY,..", value_delimiter = ',')]
     measure: Vec<String>,
+    /// With --measure: how each variant comes to rest before it is measured. Strokes start as drawn
+    #[arg(long, value_name = "REST", value_enum, default_value = "as-played", requires = "measure")]
+    measured_rest: RestBefore,
     /// Rows of the printed table, evenly spaced from the first to the last; `all` prints every row
     #[arg(long, value_name = "N|all", default_value = "15", value_parser = rows_shown)]
     rows: usize,
@@ -140,6 +143,7 @@ impl Study {
             model: self.instrument.model,
             axes: &axes,
             lines: &measures,
+            rest: self.measured_rest.into(),
             stroke: &stroke,
             each: make.as_ref().map(|make| make as &MakeStroke<'_>),
             setup: &setup,

@@ -8,7 +8,7 @@ pub(crate) mod table;
 
 pub(crate) use lines::{shown, usual};
 
-use erard::instrument::Instrument;
+use erard::player::RestPose;
 use erard::trust::worst_of_each;
 use erard_workshop::measure::Sheet;
 
@@ -29,8 +29,8 @@ pub(crate) fn doubts(sheet: &Sheet) -> Vec<String> {
 pub(crate) struct Measured {
     /// Label that distinguishes it from the others.
     pub label: String,
-    /// The action.
-    pub instrument: Instrument,
+    /// The action, where it rests.
+    pub rest: RestPose,
     /// Its sheet.
     pub sheet: Sheet,
 }

@@ -6,7 +6,8 @@ use thiserror::Error;
 use erard::Progress;
 use erard::grand::{Anatomy, AnatomyError};
 use erard::instrument::{Instrument, Vec2};
-use erard::player::{Action, ActionError, Input};
+use erard::player::equilibrium::EquilibriumError;
+use erard::player::{Action, ActionError, AtRest, Input, RestPose};
 
 /// Reason why nothing could be measured.
 #[derive(Debug, Error)]
@@ -17,7 +18,7 @@ pub enum DistanceError {
     Anatomy(#[from] AnatomyError),
     /// The action cannot be assembled, or has no equilibrium.
     #[error(transparent)]
-    Action(#[from] ActionError),
+    Action(ActionError),
     /// A change of the instrument is not possible.
     #[error("the instrument cannot be changed: {0}")]
     Invalid(#[from] erard::instrument::InvalidInstrument),
@@ -27,6 +28,15 @@ pub enum DistanceError {
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,
+}
+
+impl From<ActionError> for DistanceError {
+    fn from(error: ActionError) -> Self {
+        match error {
+            ActionError::Equilibrium(EquilibriumError::Interrupted) => DistanceError::Interrupted,
+            error => DistanceError::Action(error),
+        }
+    }
 }
 
 /// Steps between questions to the caller whether to go on.
@@ -66,14 +76,10 @@ pub(super) struct Fixture<'i> {
 
 impl<'i> Fixture<'i> {
     /// The action at rest with the key untouched.
-    pub(crate) fn at_rest(instrument: &'i Instrument, anatomy: Anatomy, step_s: f64) -> Result<Self, DistanceError> {
-        let action = Action::with(instrument, Settings::new(step_s))?;
-        let view = View {
-            key_m: 0.0,
-            below_string_m: -action.mechanism().compression(anatomy.string),
-            rise_m_per_s: 0.0,
-            force_n: 0.0,
-        };
+    pub(crate) fn at_rest(rest: &'i RestPose, anatomy: Anatomy, step_s: f64) -> Result<Self, DistanceError> {
+        let (instrument, action) = (rest.instrument(), rest.action(Settings::new(step_s))?);
+        let below_string_m = -action.mechanism().compression(anatomy.string);
+        let view = View { key_m: 0.0, below_string_m, rise_m_per_s: 0.0, force_n: 0.0 };
         Ok(Fixture {
             instrument,
             anatomy,

@@ -1,6 +1,7 @@
 //! Distances of a regulated action, measured as a technician does.
 //!
-//! Two trials with the key give all but the lever height, which is read with the hammer lifted. Slow key: pressed from
+//! The action has been played once before ([`erard::player::RestPose`]). Two trials with the key give all but the lever
+//! height, which is read with the hammer lifted. Slow key: pressed from
 //! rest at a few millimetres a second until the hammer is let off, held there until the hammer has dropped, then
 //! pressed firmly to the bottom. Medium blow: a constant force throws the hammer at the string at about mf; the back
 //! check catches the hammer, then the key is let up slowly until the check lets go, and held there while the repetition
@@ -10,6 +11,7 @@ use super::fixture::{DistanceError, Fixture, Still};
 use erard::Progress;
 use erard::grand::{Anatomy, rise_m};
 use erard::instrument::{Curve, Instrument, Vec2};
+use erard::player::{AtRest, RestPose};
 
 /// Protocol of the presses. The default is the project's; a workshop with other habits can set its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,16 +120,16 @@ impl Trial {
     /// See [`DistanceError`].
     pub(crate) fn run(
         self,
-        instrument: &Instrument,
+        rest: &RestPose,
         protocol: &Protocol,
         distances: &mut Distances,
         progress: &mut Progress<'_>,
     ) -> Result<(), DistanceError> {
-        let anatomy = Anatomy::find(instrument)?;
+        let anatomy = Anatomy::find(rest.instrument())?;
         match self {
-            Trial::SlowKey => slow_key(instrument, anatomy, protocol, distances, progress),
-            Trial::LiftedHammer => lifted_hammer(instrument, anatomy, protocol, distances),
-            Trial::MediumBlow => medium_blow(instrument, anatomy, protocol, distances, progress),
+            Trial::SlowKey => slow_key(rest, anatomy, protocol, distances, progress),
+            Trial::LiftedHammer => lifted_hammer(rest, anatomy, protocol, distances, progress),
+            Trial::MediumBlow => medium_blow(rest, anatomy, protocol, distances, progress),
         }
     }
 }
@@ -137,26 +139,29 @@ impl Trial {
 /// # Errors
 /// See [`DistanceError`]. A distance that cannot be measured is no error: it is `None`.
 pub fn measure(
-    instrument: &Instrument,
+    action: &dyn AtRest,
     protocol: &Protocol,
     progress: &mut Progress<'_>,
 ) -> Result<Distances, DistanceError> {
+    Anatomy::find(action.instrument())?;
+    let rest = action.pose(progress)?;
     let mut distances = Distances::default();
     for trial in Trial::ALL {
-        trial.run(instrument, protocol, &mut distances, progress)?;
+        trial.run(&rest, protocol, &mut distances, progress)?;
     }
     Ok(distances)
 }
 
 /// Slow key: blow, lost motion, jack position, let-off, drop, aftertouch, dip, damper timing.
 fn slow_key(
-    instrument: &Instrument,
+    rest: &RestPose,
     anatomy: Anatomy,
     protocol: &Protocol,
     distances: &mut Distances,
     progress: &mut Progress<'_>,
 ) -> Result<(), DistanceError> {
-    let mut fixture = Fixture::at_rest(instrument, anatomy, protocol.slow_step_s)?;
+    let instrument = rest.instrument();
+    let mut fixture = Fixture::at_rest(rest, anatomy, protocol.slow_step_s)?;
     let rest_m = fixture.view().below_string_m;
     let damper_height = |fixture: &Fixture<'_>| {
         anatomy.damper.map(|d| rise_m(fixture.point(Some(d), instrument.bodies[d].center_of_mass_m)))
@@ -256,11 +261,13 @@ fn jack_position(instrument: &Instrument, anatomy: &Anatomy, fixture: &Fixture<'
 
 /// Step between jack and repetition lever, with the hammer lifted off both.
 fn lifted_hammer(
-    instrument: &Instrument,
+    rest: &RestPose,
     anatomy: Anatomy,
     protocol: &Protocol,
     distances: &mut Distances,
+    progress: &mut Progress<'_>,
 ) -> Result<(), DistanceError> {
+    let instrument = rest.instrument();
     distances.lever_height_m = None;
     let Some(lever_knuckle) = anatomy.lever_knuckle else { return Ok(()) };
     // A knuckle without leather touches neither: the hammer lies on its rest, as far away as possible.
@@ -268,6 +275,7 @@ fn lifted_hammer(
     for zone in [anatomy.jack_knuckle, lever_knuckle] {
         lifted.edit(|fields| fields.zones[zone].felt.remove())?;
     }
+    let lifted = rest.changed(&lifted, progress)?;
     let fixture = Fixture::at_rest(&lifted, anatomy, protocol.slow_step_s)?;
     let (jack, lever) = (&instrument.zones[anatomy.jack_knuckle], &instrument.zones[lever_knuckle]);
     let (Curve::Segment { rounding_m, .. }, Curve::Line { point_m, normal }) = (jack.curve, lever.curve) else {
@@ -285,7 +293,7 @@ fn lifted_hammer(
 
 /// Medium blow: check distance, repetition rise, strength of the repetition spring.
 fn medium_blow(
-    instrument: &Instrument,
+    rest: &RestPose,
     anatomy: Anatomy,
     protocol: &Protocol,
     distances: &mut Distances,
@@ -294,7 +302,7 @@ fn medium_blow(
     (distances.check_m, distances.repetition_rise_m, distances.repetition_spring_m_per_s) = (None, None, None);
     let Some(check) = anatomy.check else { return Ok(()) };
     for harder in HARDER {
-        let mut fixture = Fixture::at_rest(instrument, anatomy, protocol.blow_step_s)?;
+        let mut fixture = Fixture::at_rest(rest, anatomy, protocol.blow_step_s)?;
         blow_and_let_up(&mut fixture, anatomy, check, harder * protocol.blow_n, protocol, distances, progress)?;
         distances.unconverged_steps += fixture.unconverged;
         if distances.check_m.is_some() {

@@ -2,6 +2,7 @@
 
 use erard::grand::{Parts, strike_weight_g};
 use erard::instrument::Instrument;
+use erard::player::AtRest;
 
 use super::{FitError, FitResult, Meaning, Simulator};
 use crate::distances::{Distances, Protocol, Trial};
@@ -23,7 +24,8 @@ fn strike_weight(instrument: &Instrument) -> Option<f64> {
 /// Let-off distance on a slow key, mm.
 fn let_off(instrument: &Instrument) -> Option<f64> {
     let mut distances = Distances::default();
-    Trial::SlowKey.run(instrument, &Protocol::default(), &mut distances, &mut |_| true).ok()?;
+    let rest = instrument.pose(&mut |_| true).ok()?;
+    Trial::SlowKey.run(&rest, &Protocol::default(), &mut distances, &mut |_| true).ok()?;
     distances.let_off_m.map(|m| 1e3 * m)
 }
 

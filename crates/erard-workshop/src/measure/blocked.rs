@@ -12,7 +12,7 @@ use super::{MeasureError, NotAnAction};
 use erard::Progress;
 use erard::grand::{Anatomy, rise_m};
 use erard::instrument::{Curve, Felt, Instrument, Vec2};
-use erard::player::{Action, Input};
+use erard::player::{AtRest, Input, RestPose};
 
 /// The weights, g.
 pub(crate) const WEIGHTS_G: [f64; 6] = [100.0, 200.0, 300.0, 500.0, 700.0, 1000.0];
@@ -42,14 +42,16 @@ pub struct BlockedRow {
 ///
 /// # Errors
 /// If parts are missing, there is no gravity, the key has no equilibrium, or the work is interrupted.
-pub(crate) fn blocked(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Vec<BlockedRow>, MeasureError> {
+pub(crate) fn blocked(action: &dyn AtRest, progress: &mut Progress<'_>) -> Result<Vec<BlockedRow>, MeasureError> {
+    let instrument = action.instrument();
     if instrument.gravity_m_per_s2 <= 0.0 {
         return Err(NotAnAction::Weightless.into());
     }
     let anatomy = Anatomy::find(instrument)?;
     let capstan = capstan(instrument, &anatomy);
-    let held = with_a_bar(instrument, &anatomy)?;
-    let mut action = Action::with(&held, Settings::new(STEP_S))?;
+    let rest = action.pose(progress)?;
+    let held = with_a_bar(&rest, &anatomy)?;
+    let mut action = rest.changed(&held, progress)?.action(Settings::new(STEP_S))?;
     let (mut rows, mut before_n, mut zero) = (Vec::new(), 0.0, None);
     for (index, weight_g) in WEIGHTS_G.into_iter().enumerate() {
         let weight_n = weight_g * 1e-3 * instrument.gravity_m_per_s2;
@@ -94,8 +96,9 @@ fn capstan(instrument: &Instrument, anatomy: &Anatomy) -> Option<(usize, Vec2)> 
 }
 
 /// Puts a bar in place of the string, half-way between it and the hammer's rest.
-fn with_a_bar(instrument: &Instrument, anatomy: &Anatomy) -> Result<Instrument, MeasureError> {
-    let rest = Action::with(instrument, Settings::new(STEP_S))?;
+fn with_a_bar(rest: &RestPose, anatomy: &Anatomy) -> Result<Instrument, MeasureError> {
+    let instrument = rest.instrument();
+    let rest = rest.action(Settings::new(STEP_S))?;
     let blow_m = -rest.mechanism().compression(anatomy.string);
     let head_m = instrument.roles.hammer_strike_point_m;
     let [x, y] = rest.point(Some(anatomy.hammer), head_m)?;

@@ -8,6 +8,7 @@ use super::range::{Loudness, midi_velocity};
 use super::slow_loop::{SlowLoop, SlowWay};
 use super::timing::Timing;
 use super::weights::Touch;
+use erard::player::RestKind;
 use erard::trust::Warning;
 
 pub(super) const MM_PER_M: f64 = 1e3;
@@ -23,6 +24,8 @@ const MAX_LOOP_POINTS: usize = 600;
 pub struct Sheet {
     /// Instrument name.
     pub instrument: String,
+    /// How the action came to rest before it was measured.
+    pub rest: RestKind,
     /// Key, 1 to 88, whose norms the values are compared with.
     pub norms_for_key: usize,
     /// Down-weight with the pedal down, by trial with weights, g.

@@ -8,12 +8,12 @@
 use moreau::Settings;
 
 use super::MeasureError;
-use super::levers::Levers;
+use super::levers::{Levers, rigid};
 use erard::Progress;
 use erard::grand::Parts;
 use erard::instrument::Instrument;
 use erard::mechanism::Mechanism;
-use erard::player::{Action, Input};
+use erard::player::{Action, AtRest, Input};
 
 /// Points of the curve.
 const POINTS: usize = 40;
@@ -59,13 +59,14 @@ impl Shares {
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn inertia(instrument: &Instrument, way_m: f64, progress: &mut Progress<'_>) -> Result<InertiaCurve, MeasureError> {
-    let instrument = &instrument.locked();
+pub fn inertia(action: &dyn AtRest, way_m: f64, progress: &mut Progress<'_>) -> Result<InertiaCurve, MeasureError> {
+    let rest = rigid(action, progress)?;
+    let instrument = rest.instrument();
     let parts = Parts::of(instrument)?;
-    let mut levers = Levers::of(instrument)?;
+    let mut levers = Levers::of(&*rest)?;
     let key_front_m = levers.key_front_m;
     let mut rates = |key_m: f64| levers.ratios(key_m).map(|ratios| Rates::new(instrument, &parts, ratios));
-    let mut action = Action::with_progress(instrument, Settings::new(STEP_S), progress)?;
+    let mut action = rest.action(Settings::new(STEP_S))?;
     let key_m: Vec<f64> = (0..=POINTS).map(|point| point as f64 / POINTS as f64 * way_m).collect();
     let (mut pedal_down_kg, mut dampers_down_kg) = (Vec::new(), Vec::new());
     let mut before_m = 0.0;
@@ -79,7 +80,7 @@ pub fn inertia(instrument: &Instrument, way_m: f64, progress: &mut Progress<'_>)
     }
     // The shares need no pose of their own: kinetic energies of single bodies, half-way.
     let half_m = key_m[POINTS / 2];
-    let mut action = Action::with_progress(instrument, Settings::new(STEP_S), progress)?;
+    let mut action = rest.action(Settings::new(STEP_S))?;
     carry_on(&mut action, [0.0, half_m], progress)?;
     let rates = rates(half_m)?;
     let share = |of: &dyn Fn(usize) -> bool| {

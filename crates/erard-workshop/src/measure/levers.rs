@@ -9,13 +9,16 @@
 //! until the knuckle is. The linkage derived from the graph of the same levers (`erard-kinematics`) gives the same
 //! ratios; a test compares them.
 
+use std::borrow::Cow;
+
+use moreau::Settings;
 use moreau_kernels::{EveryBody, LaneObserver, lane_observer};
 
 use super::{MeasureError, NotAnAction};
+use erard::Progress;
 use erard::assembly::{describe, probes};
 use erard::grand::{Anatomy, Parts};
-use erard::instrument::Instrument;
-use erard::player::{Action, ActionError};
+use erard::player::{ActionError, AtRest, RestPose};
 
 /// Largest key travel per step of the levers, m.
 const WAY_M: f64 = 1e-3;
@@ -48,10 +51,11 @@ impl Levers {
     ///
     /// # Errors
     /// If the instrument is no grand action, has no equilibrium, or its levers do not reach each other.
-    pub(crate) fn of(instrument: &Instrument) -> Result<Self, MeasureError> {
-        let instrument = &instrument.locked();
+    pub(crate) fn of(action: &dyn AtRest) -> Result<Self, MeasureError> {
+        let rest = rigid(action, &mut |_| true)?;
+        let instrument = rest.instrument();
         let Anatomy { key, hammer, whippen, jack_knuckle, .. } = Anatomy::find(instrument)?;
-        let action = Action::new(instrument)?;
+        let action = rest.action(Settings::new(instrument.usual_step_s()))?;
         let at_rest = action.mechanism();
         let between = |zone: &usize| {
             let zone = &instrument.zones[*zone];
@@ -109,6 +113,14 @@ impl Levers {
         turn(&mut *self.observer, angles, &self.whippen, capstan)?;
         turn(&mut *self.observer, angles, &[self.hammer], knuckle)
     }
+}
+
+/// Where an action rests without its bends, which are locked.
+pub(super) fn rigid<'a>(action: &'a dyn AtRest, progress: &mut Progress<'_>) -> Result<Cow<'a, RestPose>, ActionError> {
+    if action.instrument().has_bends() {
+        return RestPose::of(&action.instrument().locked(), action.kind(), progress).map(Cow::Owned);
+    }
+    action.pose(progress)
 }
 
 /// Turns bodies together until a zone is compressed by `held_m`.

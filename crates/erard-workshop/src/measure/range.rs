@@ -7,9 +7,9 @@ use super::MeasureError;
 use erard::Progress;
 use erard::grand::{Parts, falling_moment_n_m};
 use erard::instrument::Instrument;
-use erard::player::{Action, Input, Snapshot, force};
+use erard::player::{Action, AtRest, Input, RestPose, Snapshot, force};
 use erard::run::Run;
-use erard::run::{Setup, simulate};
+use erard::run::{Setup, simulate_at_rest};
 use erard::trust::Warning;
 
 /// Step, s.
@@ -95,13 +95,14 @@ pub(crate) fn fall_m_per_s2(instrument: &Instrument, hammer: usize) -> Result<f6
 /// # Errors
 /// See [`MeasureError`].
 pub(crate) fn speed_against_force(
-    instrument: &Instrument,
+    action: &dyn AtRest,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<Loudness>, MeasureError> {
+    let rest = action.pose(progress)?;
     FORCES_N
         .into_iter()
         .map(|force_n| {
-            let run = press(instrument, force_n, true, progress)?;
+            let run = press(&rest, force_n, true, progress)?;
             let hammer_speed_m_per_s = run.events.hammer_speed_m_per_s();
             let midi_velocity = hammer_speed_m_per_s.and_then(midi_velocity);
             Ok(Loudness { force_n, hammer_speed_m_per_s, midi_velocity, warnings: run.warnings })
@@ -114,12 +115,13 @@ pub(crate) fn speed_against_force(
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn double_strike(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<f64, MeasureError> {
+pub fn double_strike(action: &dyn AtRest, progress: &mut Progress<'_>) -> Result<f64, MeasureError> {
+    let rest = action.pose(progress)?;
     let [from, to] = DOUBLE_STRIKE_N;
     let mut fastest = 0.0;
     for n in 0..=DOUBLE_STRIKES {
         let force_n = from + (to - from) * f64::from(n) / f64::from(DOUBLE_STRIKES);
-        let run = press(instrument, force_n, false, progress)?;
+        let run = press(&rest, force_n, false, progress)?;
         fastest = run.events.impacts.iter().skip(1).map(|impact| impact.hammer_speed_m_per_s).fold(fastest, f64::max);
     }
     Ok(fastest)
@@ -130,9 +132,11 @@ pub fn double_strike(instrument: &Instrument, progress: &mut Progress<'_>) -> Re
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Option<Softest>, MeasureError> {
+pub fn softest(action: &dyn AtRest, progress: &mut Progress<'_>) -> Result<Option<Softest>, MeasureError> {
+    let instrument = action.instrument();
     let parts = Parts::of(instrument)?;
-    let mut action = Action::with_progress(instrument, Settings::new(STEP_S), progress)?;
+    let pose = action.pose(progress)?;
+    let mut action = pose.action(Settings::new(STEP_S))?;
     let rest = action.save();
     let (mut low, mut high) = (0.0, MAX_SOFT_N);
     if !reaches(&mut action, &rest, high, progress)? {
@@ -142,7 +146,7 @@ pub fn softest(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<O
         let middle = 0.5 * (low + high);
         if reaches(&mut action, &rest, middle, progress)? { high = middle } else { low = middle }
     }
-    let run = press(instrument, high, false, progress)?;
+    let run = press(&pose, high, false, progress)?;
     let (Some(off), Some(contact)) = (run.events.let_off_s, run.events.hammer_contact_s()) else {
         return Ok(Some(Softest { force_n: high, flight: None }));
     };
@@ -181,12 +185,7 @@ fn reaches(
     Ok(reached)
 }
 
-fn press(
-    instrument: &Instrument,
-    force_n: f64,
-    ledger: bool,
-    progress: &mut Progress<'_>,
-) -> Result<Run, MeasureError> {
+fn press(rest: &RestPose, force_n: f64, ledger: bool, progress: &mut Progress<'_>) -> Result<Run, MeasureError> {
     let setup = Setup { settings: Settings::new(STEP_S), record_every: Some(1), ledger, ..Setup::new(PATIENCE_S) };
-    Ok(simulate(instrument, &force(|_| force_n), &setup, &mut |_| progress(0.0))?)
+    Ok(simulate_at_rest(rest, &force(|_| force_n), &setup, &mut |_| progress(0.0))?)
 }

@@ -15,9 +15,8 @@ use moreau::Settings;
 
 use super::{MeasureError, NotAnAction};
 use erard::Progress;
-use erard::instrument::Instrument;
 use erard::mechanism::Impact;
-use erard::player::{Action, Input};
+use erard::player::{Action, AtRest, Input};
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
@@ -59,14 +58,14 @@ pub struct Repetition {
 /// # Errors
 /// See [`MeasureError`].
 pub fn repetition(
-    instrument: &Instrument,
+    action: &dyn AtRest,
     up_m: f64,
     progress: &mut Progress<'_>,
 ) -> Result<Option<Repetition>, MeasureError> {
-    let Some(bottom) = instrument.roles.key_bottom else {
+    let Some(bottom) = action.instrument().roles.key_bottom else {
         return Err(NotAnAction::NoKeyBottom.into());
     };
-    let mut action = Action::with_progress(instrument, Settings::new(STEP_S), progress)?;
+    let mut action = action.pose(progress)?.action(Settings::new(STEP_S))?;
     let rest = action.save();
     let mut neighbours: [Vec<Repetition>; WAITS.len()] = Default::default();
     for n in 0..STAYS {

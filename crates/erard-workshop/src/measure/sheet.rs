@@ -14,7 +14,7 @@ use crate::cores::{self, do_all, job};
 use crate::distances::{self, Distances, Protocol};
 use erard::Progress;
 use erard::grand::{Parts, pedal_down};
-use erard::instrument::Instrument;
+use erard::player::{AtRest, RestPose};
 
 /// Depth of the finger in the punching during the hysteresis loop, m: about six newtons by its softness.
 const INTO_PUNCHING_M: f64 = 0.3e-3;
@@ -37,20 +37,23 @@ struct Results {
     blocked: Option<Vec<BlockedRow>>,
 }
 
-/// Measures an action completely and compares it with the norms of its key ([`norms_key`]). `progress` receives the
-/// share done, and ends the work by returning false.
+/// Measures an action completely and compares it with the norms of its key ([`norms_key`]). Everything begins at the
+/// rest of the action, or of its variants, as played unless it is a pose as drawn ([`erard::player::RestPose`]).
+/// `progress` receives the share done, and ends the work by returning false.
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Sheet, MeasureError> {
+pub fn measure(action: &dyn AtRest, progress: &mut Progress<'_>) -> Result<Sheet, MeasureError> {
+    let instrument = action.instrument();
     let parts = Parts::of(instrument)?;
-    let lifted = pedal_down(instrument, &parts)?;
+    let rest = &*action.pose(progress)?;
+    let lifted = rest.of_variant(&pedal_down(instrument, &parts)?, progress)?;
     // First the quantities needed by all others: a tenth of the work.
     const FIRST: f64 = 0.1;
     let (mut way, mut distances) = (None, None);
     let first = vec![
         job(&mut way, |progress| free_way(&lifted, &parts, progress)),
-        job(&mut distances, |progress| Ok(distances::measure(instrument, &Protocol::default(), progress)?)),
+        job(&mut distances, |progress| Ok(distances::measure(rest, &Protocol::default(), progress)?)),
     ];
     do_all(first, cores::count(), &mut |share| progress(FIRST * share))?;
     let (Some(way), Some(distances)) = (way, distances) else { return Err(MeasureError::Lost) };
@@ -62,27 +65,27 @@ pub fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<S
     let deep = dip + INTO_PUNCHING_M;
     let mut jobs = vec![
         job(&mut r.touch, |progress| on_the_key(&lifted, way.end_m, progress)),
-        job(&mut r.softest, |progress| softest(instrument, progress)),
-        job(&mut r.double_strike, |progress| double_strike(instrument, progress)),
-        job(&mut r.loudness, |progress| speed_against_force(instrument, progress)),
+        job(&mut r.softest, |progress| softest(rest, progress)),
+        job(&mut r.double_strike, |progress| double_strike(rest, progress)),
+        job(&mut r.loudness, |progress| speed_against_force(rest, progress)),
         job(&mut r.hysteresis, |progress| slow_loop(&lifted, deep, progress)),
-        job(&mut r.full, |progress| repetition(instrument, HOME_M, progress)),
-        job(&mut r.half, |progress| repetition(instrument, 0.5 * dip, progress)),
-        job(&mut r.timing, |progress| timing(instrument, progress)),
-        job(&mut r.inertia, |progress| inertia(instrument, way.end_m, progress)),
+        job(&mut r.full, |progress| repetition(rest, HOME_M, progress)),
+        job(&mut r.half, |progress| repetition(rest, 0.5 * dip, progress)),
+        job(&mut r.timing, |progress| timing(rest, progress)),
+        job(&mut r.inertia, |progress| inertia(rest, way.end_m, progress)),
         job(&mut r.blocked, |progress| blocked(&lifted, progress)),
     ];
     if parts.damper.is_some() {
-        jobs.insert(1, job(&mut r.damped, |progress| on_the_key(instrument, way.end_m, progress)));
-        jobs.push(job(&mut r.hysteresis_damped, |progress| slow_loop(instrument, deep, progress)));
+        jobs.insert(1, job(&mut r.damped, |progress| on_the_key(rest, way.end_m, progress)));
+        jobs.push(job(&mut r.hysteresis_damped, |progress| slow_loop(rest, deep, progress)));
     }
     do_all(jobs, cores::count(), &mut |share| progress(FIRST + (1.0 - FIRST) * share))?;
     let decided_m = r.touch.as_ref().ok_or(MeasureError::Lost)?.decided_m;
-    r.scale = Some(on_the_scale(instrument, way.end_m, decided_m)?);
+    r.scale = Some(on_the_scale(rest, way.end_m, decided_m)?);
     if !r.is_whole() {
         return Err(MeasureError::Lost);
     }
-    let mut sheet = r.sheet(instrument, Some(way), &distances);
+    let mut sheet = r.sheet(rest, Some(way), &distances);
     sheet.flags = flags(&sheet);
     Ok(sheet)
 }
@@ -133,57 +136,66 @@ impl Need {
 /// # Errors
 /// See [`MeasureError`].
 pub fn measure_some(
-    instrument: &Instrument,
+    action: &dyn AtRest,
     lines: &[&Line],
     progress: &mut Progress<'_>,
 ) -> Result<Vec<Option<f64>>, MeasureError> {
     let needs = |need: Need| lines.iter().any(|line| Need::of(line.key).contains(&need));
+    let instrument = action.instrument();
     let parts = Parts::of(instrument)?;
-    let lifted = pedal_down(instrument, &parts)?;
     let by_dip = needs(Need::Half) || needs(Need::Hysteresis);
+    let by_way = [Need::Way, Need::Touch, Need::Damped, Need::Scale, Need::Inertia].into_iter().any(needs);
+    let rest = &*action.pose(progress)?;
+    let lifted = if by_way || needs(Need::Hysteresis) || needs(Need::Blocked) {
+        Some(rest.of_variant(&pedal_down(instrument, &parts)?, progress)?)
+    } else {
+        None
+    };
     let distances = if needs(Need::Distances) || by_dip {
-        distances::measure(instrument, &Protocol::default(), progress)?
+        distances::measure(rest, &Protocol::default(), progress)?
     } else {
         Distances::default()
     };
-    let by_way = [Need::Way, Need::Touch, Need::Damped, Need::Scale, Need::Inertia].into_iter().any(needs);
-    let way = if by_way { Some(free_way(&lifted, &parts, progress)?) } else { None };
+    let way = match &lifted {
+        Some(lifted) if by_way => Some(free_way(lifted, &parts, progress)?),
+        _ => None,
+    };
     let mut r = Results::default();
-    if let Some(way) = way {
+    if let (Some(way), Some(lifted)) = (way, &lifted) {
         if needs(Need::Touch) || needs(Need::Scale) {
-            let touch = on_the_key(&lifted, way.end_m, progress)?;
-            r.scale = Some(on_the_scale(instrument, way.end_m, touch.decided_m)?);
+            let touch = on_the_key(lifted, way.end_m, progress)?;
+            r.scale = Some(on_the_scale(rest, way.end_m, touch.decided_m)?);
             r.touch = Some(touch);
         }
         if needs(Need::Damped) && parts.damper.is_some() {
-            r.damped = Some(on_the_key(instrument, way.end_m, progress)?);
+            r.damped = Some(on_the_key(rest, way.end_m, progress)?);
         }
         if needs(Need::Inertia) {
-            r.inertia = Some(inertia(instrument, way.end_m, progress)?);
+            r.inertia = Some(inertia(rest, way.end_m, progress)?);
         }
     }
     if by_dip {
         let Some(dip) = distances.dip_m else { return Err(NotAnAction::Bottomless.into()) };
         if needs(Need::Half) {
-            r.half = Some(repetition(instrument, 0.5 * dip, progress)?);
+            r.half = Some(repetition(rest, 0.5 * dip, progress)?);
         }
-        if needs(Need::Hysteresis) {
-            r.hysteresis = Some(slow_loop(&lifted, dip + INTO_PUNCHING_M, progress)?);
+        if let Some(lifted) = lifted.as_ref().filter(|_| needs(Need::Hysteresis)) {
+            r.hysteresis = Some(slow_loop(lifted, dip + INTO_PUNCHING_M, progress)?);
         }
     }
     if needs(Need::Full) {
-        r.full = Some(repetition(instrument, HOME_M, progress)?);
+        r.full = Some(repetition(rest, HOME_M, progress)?);
     }
     if needs(Need::Softest) {
-        r.softest = Some(softest(instrument, progress)?);
+        r.softest = Some(softest(rest, progress)?);
     }
-    if needs(Need::Blocked) {
-        r.blocked = Some(blocked(&lifted, progress)?);
+    if let Some(lifted) = lifted.as_ref().filter(|_| needs(Need::Blocked)) {
+        r.blocked = Some(blocked(lifted, progress)?);
     }
     if needs(Need::DoubleStrike) {
-        r.double_strike = Some(double_strike(instrument, progress)?);
+        r.double_strike = Some(double_strike(rest, progress)?);
     }
-    let sheet = r.sheet(instrument, way, &distances);
+    let sheet = r.sheet(rest, way, &distances);
     Ok(lines.iter().map(|line| (line.value)(&sheet).filter(|value| value.is_finite())).collect())
 }
 
@@ -202,7 +214,8 @@ impl Results {
     }
 
     /// Makes the sheet, without its flags. Missing measurements are NaN or `None`.
-    fn sheet(self, instrument: &Instrument, way: Option<FreeWay>, distances: &Distances) -> Sheet {
+    fn sheet(self, rest: &RestPose, way: Option<FreeWay>, distances: &Distances) -> Sheet {
+        let instrument = rest.instrument();
         const NONE: f64 = f64::NAN;
         let (full, half, soft) = (self.full.flatten(), self.half.flatten(), self.softest.flatten());
         let tried = TouchNumbers::from(self.touch.as_ref().map(|touch| touch.by_weights).unwrap_or_default());
@@ -229,6 +242,7 @@ impl Results {
         let warnings: Vec<Doubt> = doubts.collect();
         Sheet {
             instrument: instrument.name.clone(),
+            rest: rest.kind(),
             norms_for_key: norms_key(instrument),
             down_weight_g: tried.down_weight_g,
             up_weight_g: tried.up_weight_g,

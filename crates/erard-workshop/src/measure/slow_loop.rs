@@ -5,9 +5,8 @@ use moreau::{Settings, StepOutcome};
 
 use super::MeasureError;
 use erard::Progress;
-use erard::instrument::Instrument;
-use erard::player::{Action, Input, motion};
-use erard::run::{Setup, SimulationError, simulate};
+use erard::player::{AtRest, Input, motion};
+use erard::run::{Setup, SimulationError, simulate_at_rest};
 use erard::stroke::least_jerk;
 
 /// Time of the press, and of the return, s. The hammer on its felts swings at about 10 Hz, which dry friction on a
@@ -50,7 +49,7 @@ pub struct SlowWay {
 ///
 /// # Errors
 /// Errors of the simulation; an interruption.
-pub fn slow_loop(instrument: &Instrument, depth_m: f64, progress: &mut Progress<'_>) -> Result<SlowLoop, MeasureError> {
+pub fn slow_loop(action: &dyn AtRest, depth_m: f64, progress: &mut Progress<'_>) -> Result<SlowLoop, MeasureError> {
     let finger = |t: f64| {
         let ([down, down_rate], [up, up_rate]) = (least_jerk(t / WAY_S), least_jerk((t - WAY_S - TURN_S) / WAY_S));
         [depth_m * (down - up), depth_m * (down_rate - up_rate) / WAY_S]
@@ -61,7 +60,8 @@ pub fn slow_loop(instrument: &Instrument, depth_m: f64, progress: &mut Progress<
         ledger: false,
         ..Setup::new(2.0 * WAY_S + TURN_S)
     };
-    let run = simulate(instrument, &motion(finger), &setup, &mut |_| progress(0.0))?;
+    let rest = action.pose(progress).map_err(SimulationError::from)?;
+    let run = simulate_at_rest(&rest, &motion(finger), &setup, &mut |_| progress(0.0))?;
     let way = |from: f64, to: f64| {
         let rows = run.time_s.partition_point(|&t| t < from)..run.time_s.partition_point(|&t| t <= to);
         SlowWay {
@@ -83,13 +83,13 @@ pub fn slow_loop(instrument: &Instrument, depth_m: f64, progress: &mut Progress<
 /// # Errors
 /// Errors of the simulation; an interruption.
 pub(crate) fn first_touch(
-    instrument: &Instrument,
+    action: &dyn AtRest,
     depth_m: f64,
     zones: &[usize],
     progress: &mut Progress<'_>,
 ) -> Result<Option<(Vec<usize>, f64)>, MeasureError> {
     let settings = Settings::new(STEP_S);
-    let mut action = Action::with_progress(instrument, settings, progress).map_err(SimulationError::from)?;
+    let mut action = action.pose(progress).and_then(|rest| rest.action(settings)).map_err(SimulationError::from)?;
     let steps = (WAY_S / STEP_S).round() as u64;
     for n in 0..=steps {
         if n.is_multiple_of(RECORD_EVERY) {

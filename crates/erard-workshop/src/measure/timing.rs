@@ -5,10 +5,10 @@ use moreau::Settings;
 use super::MeasureError;
 use super::flight::{Flights, flights};
 use erard::Progress;
-use erard::instrument::Instrument;
 use erard::level::{HandKind, LEVELS, LevelError, MASS_KG, Reference};
+use erard::player::AtRest;
 use erard::run::Events;
-use erard::run::{Setup, SimulationError, press_by_hand};
+use erard::run::{Setup, SimulationError, simulate_at_rest};
 use erard::stroke::Touch;
 use erard::trust::Warning;
 
@@ -61,7 +61,7 @@ impl Timing {
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub(crate) fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Vec<Timing>, MeasureError> {
+pub(crate) fn timing(action: &dyn AtRest, progress: &mut Progress<'_>) -> Result<Vec<Timing>, MeasureError> {
     let failed = |error: LevelError| -> Result<(), MeasureError> {
         match error {
             LevelError::Interrupted => Err(SimulationError::Interrupted.into()),
@@ -70,7 +70,8 @@ pub(crate) fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Re
         }
     };
     let mut sheet = Vec::new();
-    let mut reference = match Reference::new(instrument, progress) {
+    let rest = action.pose(progress)?;
+    let mut reference = match Reference::at_rest(&rest) {
         Ok(reference) => reference,
         Err(error) => return failed(error).map(|()| sheet),
     };
@@ -84,12 +85,14 @@ pub(crate) fn timing(instrument: &Instrument, progress: &mut Progress<'_>) -> Re
                         continue;
                     }
                 };
+            let hand = solved.held();
             let setup = Setup {
+                hand: Some(hand.hand),
                 settings: Settings::new(STEP_S),
                 record_every: Some(1),
                 ..Setup::new(solved.impact.time_s + AFTER_S)
             };
-            let run = press_by_hand(instrument, &solved.held(), &setup, &mut |_| progress(0.0))?;
+            let run = simulate_at_rest(&rest, &|t| hand.input(t), &setup, &mut |_| progress(0.0))?;
             sheet.push(Timing {
                 nuance,
                 touch,

@@ -9,7 +9,7 @@ use moreau::Settings;
 use super::MeasureError;
 use erard::Progress;
 use erard::instrument::Instrument;
-use erard::player::{Action, Input, Snapshot};
+use erard::player::{Action, AtRest, Input, RestPose, Snapshot};
 
 /// Step, s: the key creeps; half the step changes no weight by more than 0.03 g.
 const STEP_S: f64 = 400e-6;
@@ -37,12 +37,12 @@ const TRIED_N: [f64; 2] = [-1.0, 3.0];
 /// # Errors
 /// See [`MeasureError`].
 pub(super) fn smallest_that_sinks(
-    instrument: &Instrument,
+    rest: &RestPose,
     to_m: f64,
     guess_n: Option<f64>,
     progress: &mut Progress<'_>,
 ) -> Result<Option<f64>, MeasureError> {
-    let mut trials = Trials::at(instrument, 0.0, progress)?;
+    let mut trials = Trials::at(rest, 0.0, progress)?;
     boundary(guess_n, &mut |force| trials.moves(force, to_m, progress))
 }
 
@@ -52,14 +52,14 @@ pub(super) fn smallest_that_sinks(
 /// # Errors
 /// See [`MeasureError`].
 pub(super) fn largest_that_is_lifted(
-    instrument: &Instrument,
+    rest: &RestPose,
     from_m: f64,
     to_m: f64,
     guess_n: Option<f64>,
     progress: &mut Progress<'_>,
 ) -> Result<Option<f64>, MeasureError> {
     // Searched by the same function: the smallest force that is no longer lifted.
-    let mut trials = Trials::at(instrument, from_m, progress)?;
+    let mut trials = Trials::at(rest, from_m, progress)?;
     boundary(guess_n, &mut |force| Ok(!trials.moves(force, to_m, progress)?))
 }
 
@@ -96,10 +96,10 @@ struct Trials {
 
 impl Trials {
     /// Brings the key to rest at `from_m`.
-    fn at(instrument: &Instrument, from_m: f64, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
-        let mut action = Action::with_progress(instrument, Settings::new(STEP_S), progress)?;
+    fn at(rest: &RestPose, from_m: f64, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
+        let mut action = rest.action(Settings::new(STEP_S))?;
         if from_m > 0.0 {
-            hold_at(&mut action, instrument, from_m, progress)?;
+            hold_at(&mut action, rest.instrument(), from_m, progress)?;
         }
         let start = action.save();
         Ok(Trials { action, start, from_m })

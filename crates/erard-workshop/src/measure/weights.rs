@@ -18,6 +18,7 @@ use super::{MeasureError, NotAnAction};
 use erard::Progress;
 use erard::grand::{Parts, front_weight_g, pedal_down, strike_weight_g, whippen_weight_g};
 use erard::instrument::Instrument;
+use erard::player::AtRest;
 
 /// Travel below which a key counts as up, m. Nearer to its rest, its cloths push it.
 pub const HOME_M: f64 = 0.5e-3;
@@ -141,7 +142,7 @@ impl PartWeights {
 /// See [`MeasureError`].
 pub fn weigh(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Weights, MeasureError> {
     let parts = Parts::of(instrument)?;
-    let lifted = pedal_down(instrument, &parts)?;
+    let lifted = pedal_down(instrument, &parts)?.pose(progress)?.into_owned();
     let free_way = free_way(&lifted, &parts, progress)?;
     let dampers_down = match parts.damper {
         Some(_) => Some(on_the_key(instrument, free_way.end_m, progress)?),
@@ -166,10 +167,10 @@ pub struct FreeWay {
 ///
 /// # Errors
 /// If there is no free travel, or the run fails.
-pub fn free_way(instrument: &Instrument, parts: &Parts, progress: &mut Progress<'_>) -> Result<FreeWay, MeasureError> {
-    let roles = &instrument.roles;
+pub fn free_way(action: &dyn AtRest, parts: &Parts, progress: &mut Progress<'_>) -> Result<FreeWay, MeasureError> {
+    let roles = &action.instrument().roles;
     let zones = parts.let_off_stops.iter().copied().chain(roles.string).chain(roles.key_bottom).collect::<Vec<_>>();
-    match first_touch(instrument, DEEP_M, &zones, progress)? {
+    match first_touch(action, DEEP_M, &zones, progress)? {
         Some((touch, end_m)) if end_m > SHORTEST_WAY_M => {
             Ok(FreeWay { end_m, let_off: touch.iter().any(|zone| parts.let_off_stops.contains(zone)) })
         }
@@ -195,17 +196,18 @@ pub(crate) struct LoopWeights {
 /// # Errors
 /// If there is no gravity; errors of the run.
 pub(crate) fn by_loop(
-    instrument: &Instrument,
+    action: &dyn AtRest,
     way_m: f64,
     progress: &mut Progress<'_>,
 ) -> Result<LoopWeights, MeasureError> {
+    let instrument = action.instrument();
     if instrument.gravity_m_per_s2 <= 0.0 {
         return Err(NotAnAction::Weightless.into());
     }
     let turn_m = way_m - BEFORE_LET_OFF_M;
     let grams = |force: f64| force / instrument.gravity_m_per_s2 * G_PER_KG;
     // The loop turns a little deeper than the weights are let go, because friction reverses at its turning point.
-    let slow = slow_loop(instrument, way_m, progress)?;
+    let slow = slow_loop(action, way_m, progress)?;
     let hardest = slow.down.smoothed(0.0, turn_m).max_by(|a, b| a.1.total_cmp(&b.1));
     let weakest = slow.up.smoothed(HOME_M, turn_m).min_by(|a, b| a.1.total_cmp(&b.1));
     let touch = Touch {
@@ -220,19 +222,16 @@ pub(crate) fn by_loop(
 ///
 /// # Errors
 /// If there is no gravity; errors of the runs.
-pub fn on_the_key(
-    instrument: &Instrument,
-    way_m: f64,
-    progress: &mut Progress<'_>,
-) -> Result<KeyWeights, MeasureError> {
-    let LoopWeights { touch: by_loop, decided_m, slow } = by_loop(instrument, way_m, progress)?;
+pub fn on_the_key(action: &dyn AtRest, way_m: f64, progress: &mut Progress<'_>) -> Result<KeyWeights, MeasureError> {
+    let rest = action.pose(progress)?;
+    let LoopWeights { touch: by_loop, decided_m, slow } = by_loop(&*rest, way_m, progress)?;
     let turn_m = way_m - BEFORE_LET_OFF_M;
-    let gram_n = instrument.gravity_m_per_s2 / G_PER_KG;
+    let gram_n = rest.instrument().gravity_m_per_s2 / G_PER_KG;
     let grams = |force: Option<f64>| force.map(|force| force / gram_n);
     let [down_n, up_n] = [by_loop.down_weight_g, by_loop.up_weight_g].map(|weight| weight.map(|g| g * gram_n));
     let by_weights = Touch {
-        down_weight_g: grams(smallest_that_sinks(instrument, turn_m, down_n, progress)?),
-        up_weight_g: grams(largest_that_is_lifted(instrument, turn_m, HOME_M, up_n, progress)?),
+        down_weight_g: grams(smallest_that_sinks(&rest, turn_m, down_n, progress)?),
+        up_weight_g: grams(largest_that_is_lifted(&rest, turn_m, HOME_M, up_n, progress)?),
     };
     Ok(KeyWeights { by_weights, by_loop, decided_m, slow })
 }
@@ -244,13 +243,13 @@ pub fn on_the_key(
 /// # Errors
 /// If the instrument is no grand action, has no equilibrium, or its levers do not reach let-off.
 pub fn on_the_scale(
-    instrument: &Instrument,
+    action: &dyn AtRest,
     way_m: f64,
     decided_m: [f64; 2],
 ) -> Result<(PartWeights, StrikeRatio), MeasureError> {
-    let instrument = &instrument.locked();
+    let instrument = &action.instrument().locked();
     let parts = &Parts::of(instrument)?;
-    let mut levers = Levers::of(instrument)?;
+    let mut levers = Levers::of(action)?;
     let key_front_m = levers.key_front_m;
     let weights = PartWeights {
         front_weight_g: front_weight_g(instrument, parts, key_front_m)?,

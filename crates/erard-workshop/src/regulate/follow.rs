@@ -3,8 +3,8 @@
 use super::rounds::{Regulated, Status, regulate};
 use super::{Goal, RegulateError, Specification};
 use crate::distances::{Distances, Protocol};
-use erard::instrument::Instrument;
 use erard::parameter::Quantity;
+use erard::player::AtRest;
 
 /// Largest change of a distance, m, or as a share of a speed, or of the dip, that does not count as disturbed.
 const SEEN_M: f64 = 0.25e-3;
@@ -45,13 +45,13 @@ fn has_moved(goal: Goal, before: &Distances, after: &Distances) -> Option<f64> {
 /// # Errors
 /// See [`regulate`].
 pub fn regulate_following(
-    instrument: &Instrument,
+    action: &dyn AtRest,
     specification: &Specification,
     protocol: &Protocol,
     progress: &mut dyn FnMut(&Status) -> bool,
 ) -> Result<Regulated, RegulateError> {
     let mut specification = specification.clone();
-    let mut regulated = regulate(instrument, &specification, protocol, progress)?;
+    let mut regulated = regulate(action, &specification, protocol, progress)?;
     for _ in 1..PASSES {
         let more = disturbed(&regulated);
         if more.is_empty() {
@@ -59,7 +59,7 @@ pub fn regulate_following(
         }
         specification.extend(more);
         let earlier = (regulated.simulations, regulated.rounds);
-        regulated = regulate(instrument, &specification, protocol, progress)?;
+        regulated = regulate(action, &specification, protocol, progress)?;
         regulated.simulations += earlier.0;
         regulated.rounds += earlier.1;
     }

@@ -8,6 +8,7 @@ use super::workshop::Workshop;
 use super::{Goal, RegulateError, Specification};
 use crate::distances::{Distances, Protocol};
 use erard::instrument::{Instrument, ScrewAction};
+use erard::player::AtRest;
 
 /// Most rounds: goals not settled by then will not settle.
 const MAX_ROUNDS: u32 = 8;
@@ -117,7 +118,8 @@ struct Task {
     nearest: Option<f64>,
 }
 
-/// Regulates a copy of an instrument. `progress` receives the share done, and ends the work by returning false.
+/// Regulates a copy of an instrument, played before each measurement unless it rests as drawn. `progress` receives the
+/// share done, and ends the work by returning false.
 ///
 /// Goals are worked on in the order of [`Goal::ALL`], whatever the order of the specification; the last of repeated
 /// goals counts. Before let-off is set for the first time, a drop screw that lets the lever carry the hammer too long
@@ -126,15 +128,16 @@ struct Task {
 /// # Errors
 /// See [`RegulateError`]. A goal that cannot be met is no error: see [`Achieved::miss`].
 pub fn regulate(
-    instrument: &Instrument,
+    action: &dyn AtRest,
     specification: &Specification,
     protocol: &Protocol,
     progress: &mut dyn FnMut(&Status) -> bool,
 ) -> Result<Regulated, RegulateError> {
+    let instrument = action.instrument();
     let mut tasks = tasks(instrument, specification)?;
     let status = Cell::new(Status { round: 1, goal: None, simulations: 0, share: 0.0 });
     let mut go_on = |simulations| progress(&Status { simulations, ..status.get() });
-    let mut shop = Workshop::new(instrument, *protocol, &mut go_on);
+    let mut shop = Workshop::new(action, *protocol, &mut go_on);
     let before = shop.all()?;
 
     let mut rounds = 0;

@@ -3,9 +3,13 @@
 use super::{Goal, RegulateError};
 use crate::distances::{DistanceError, Distances, Protocol, Trial};
 use erard::instrument::Instrument;
+use erard::player::{AtRest, RestKind, RestPose};
 
 pub(super) struct Workshop<'a> {
     pub instrument: Instrument,
+    kind: RestKind,
+    /// Where it rests since a screw was last turned.
+    rest: Option<RestPose>,
     protocol: Protocol,
     distances: Distances,
     /// Trials that are still valid: no screw has been turned since.
@@ -17,9 +21,11 @@ pub(super) struct Workshop<'a> {
 }
 
 impl<'a> Workshop<'a> {
-    pub(crate) fn new(instrument: &Instrument, protocol: Protocol, go_on: &'a mut dyn FnMut(u32) -> bool) -> Self {
+    pub(crate) fn new(action: &dyn AtRest, protocol: Protocol, go_on: &'a mut dyn FnMut(u32) -> bool) -> Self {
         Workshop {
-            instrument: instrument.clone(),
+            instrument: action.instrument().clone(),
+            kind: action.kind(),
+            rest: None,
             protocol,
             distances: Distances::default(),
             fresh: Vec::new(),
@@ -47,7 +53,13 @@ impl<'a> Workshop<'a> {
             self.simulations += 1;
             let simulations = self.simulations;
             let go_on = &mut *self.go_on;
-            trial.run(&self.instrument, &self.protocol, &mut self.distances, &mut |_| go_on(simulations))?;
+            let progress = &mut |_| go_on(simulations);
+            let rest = match self.rest.take() {
+                Some(rest) => rest,
+                None => RestPose::of(&self.instrument, self.kind, progress)?,
+            };
+            let rest = self.rest.insert(rest);
+            trial.run(rest, &self.protocol, &mut self.distances, progress)?;
             self.fresh.push(trial);
         }
         Ok(())
@@ -61,8 +73,14 @@ impl<'a> Workshop<'a> {
     pub(crate) fn turn(&mut self, screw: usize, setting: f64) {
         let setting = self.instrument.screws[screw].action.rounded(setting);
         if setting != self.setting(screw) && self.instrument.turn(screw, setting) {
-            self.fresh.clear();
+            self.forget();
         }
+    }
+
+    /// The action is no longer what was measured.
+    fn forget(&mut self) {
+        self.fresh.clear();
+        self.rest = None;
     }
 
     /// Returns the settings of all screws.
@@ -74,7 +92,7 @@ impl<'a> Workshop<'a> {
     pub(crate) fn restore(&mut self, settings: &[f64]) {
         for (screw, &setting) in settings.iter().enumerate() {
             if setting != self.setting(screw) && self.instrument.turn(screw, setting) {
-                self.fresh.clear();
+                self.forget();
             }
         }
     }

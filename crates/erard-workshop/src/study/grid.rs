@@ -2,7 +2,7 @@
 
 use erard::Progress;
 use erard::instrument::Instrument;
-use erard::player::Input;
+use erard::player::{Input, RestKind, RestPose};
 use erard::run::{Setup, SimulationError};
 use erard::stroke::Stroke;
 use erard::trust::worst_of_each;
@@ -10,8 +10,8 @@ use erard::trust::worst_of_each;
 use super::{Axis, Job, MakeStroke, OUTCOMES, OwnResult, Played, Source, Target, Workers, play_all, play_each};
 use crate::compare::Which;
 use crate::cores;
-use crate::measure::measure_some;
 use crate::measure::norms::Line;
+use crate::measure::{MeasureError, measure_some};
 use crate::sample::{SampleError, SampleValues};
 
 /// Strokes that are played at a time: their instruments are held in memory.
@@ -30,6 +30,8 @@ pub struct Grid<'a> {
     pub axes: &'a [Axis],
     /// Lines of the technician's sheet to measure on each variant.
     pub lines: &'a [&'static Line],
+    /// How each variant comes to rest before it is measured. Strokes start as drawn.
+    pub rest: RestKind,
     /// Stroke on all variants; an axis of forces replaces its force.
     pub stroke: &'a Stroke,
     /// Makes a stroke of its own for each variant instead.
@@ -245,7 +247,8 @@ impl Grid<'_> {
             return Ok(vec![Ok(Vec::new()); played.variants.len()]);
         }
         let measure = |instrument: &Instrument, progress: &mut Progress<'_>| {
-            measure_some(instrument, self.lines, progress).map_or_else(
+            let rest = RestPose::of(instrument, self.rest, progress).map_err(MeasureError::from);
+            rest.and_then(|rest| measure_some(&rest, self.lines, progress)).map_or_else(
                 |error| {
                     if error.is_interruption() { Err(SimulationError::Interrupted) } else { Ok(Err(error.to_string())) }
                 },

@@ -342,6 +342,7 @@ fn a_grid_plays_every_combination() {
         model: Which::Action,
         axes: &axes,
         lines: &[],
+        rest: erard::player::RestKind::AsPlayed,
         stroke: &stroke,
         each: None,
         setup: &setup,

@@ -16,7 +16,7 @@ fn at(rest: &RestPose) -> Action {
 
 /// Distance of hammer and string, m.
 fn blow_m(rest: &RestPose) -> f64 {
-    -at(rest).compression(rest.instrument().roles.string.unwrap())
+    -at(rest).compression(rest.instrument().roles.string.unwrap()).unwrap()
 }
 
 /// As drawn, it is the start of a run, to the bit; as played, the hammer of the concert grand lies half a millimetre
