@@ -853,13 +853,13 @@ char *erard_instrument_draw(const struct ErardInstrument *instrument,
                             ErardStatus *status);
 
 /**
- * Measures an instrument as a technician does and returns JSON. If `wanted` is NULL, the JSON is the whole sheet, as
- * `erard measure --json` writes it for an instrument. Otherwise `wanted` names lines of the sheet, separated by commas
- * ("down_weight_g,dip_mm"); the JSON is an object of their values, and only these are measured. `key` is the piano key
- * whose usual ranges hold, 1 to 88 (erard_key_number reads notes); 0 is the instrument's own, or C4 where it does not
- * know its key. `progress` may be NULL; with `wanted` its share is NaN. Takes tenths of a second to seconds. Returns
- * NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown line or key and ERARD_STATUS_ARGUMENT for a key other than
- * the instrument's own. Free the text with erard_text_free.
+ * Measures an instrument as a technician does, from where it rests after a moderate blow, and returns JSON. If
+ * `wanted` is NULL, the JSON is the whole sheet, as `erard measure --json` writes it for an instrument. Otherwise
+ * `wanted` names lines of the sheet, separated by commas ("down_weight_g,dip_mm"); the JSON is an object of their
+ * values, and only these are measured. `key` is the piano key whose usual ranges hold, 1 to 88 (erard_key_number reads
+ * notes); 0 is the instrument's own, or C4 where it does not know its key. `progress` may be NULL; with `wanted` its
+ * share is NaN. Takes tenths of a second to seconds. Returns NULL on failure, with ERARD_STATUS_NO_SUCH for an unknown
+ * line or key and ERARD_STATUS_ARGUMENT for a key other than the instrument's own. Free the text with erard_text_free.
  */
 char *erard_instrument_measure(const struct ErardInstrument *instrument,
                                uint32_t key,
