@@ -49,6 +49,7 @@ fn a_validated_grand() {
             "travel_boesendorfer_pressed_5",
             "travel_pressed_1_5",
             "travel_pressed_3",
+            "key_bottom_pressed_0_5",
             "key_bottom_struck_1_5",
             "key_bottom_struck_2",
             "key_bottom_struck_3",

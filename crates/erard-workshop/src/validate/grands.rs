@@ -274,7 +274,7 @@ fn off_knuckle_s(instrument: &Instrument, run: &Run, impact_s: f64) -> Option<f6
     (0..until).rev().find(pushes).map(|row| run.time_s[row])
 }
 
-/// Plays every touch at every level.
+/// Plays every touch at every level, by the built-in hands, which hold the key from the impact on.
 pub(super) fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Vec<BesideGrands>, MeasureError> {
     let mut reference = match Reference::new(instrument, progress) {
         Ok(reference) => Some(reference),
@@ -296,7 +296,7 @@ pub(super) fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> R
         };
         let setup =
             Setup { settings: Settings::new(STEP_S), record_every: Some(1), ledger: false, ..Setup::new(DURATION_S) };
-        let run = hand.map(|hand| press_by_hand(instrument, &hand.stroke, &setup, &mut |_| true)).transpose()?;
+        let run = hand.map(|hand| press_by_hand(instrument, &hand.held(), &setup, &mut |_| true)).transpose()?;
         found.push(BesideGrands::of(case, instrument, run.as_ref()));
     }
     Ok(found)

@@ -21,6 +21,7 @@ pub use published::{Published, PublishedError, PublishedKind, PublishedRow};
 pub use strings::Skipped;
 pub use values::names;
 
+use crate::diagnose::Bench;
 use crate::measure::flex::{key_flex_m_per_n, shank_flex_m_per_n};
 use crate::measure::{MeasureError, measure};
 use erard::Progress;
@@ -144,8 +145,8 @@ pub fn validate(
     let before = before + KEYS;
     let strung = Strung::measure(instrument, keyboard, &mut |share| progress(before + (1.0 - before) * share))?;
     let flex = Flex { key_m_per_n: key_flex_m_per_n(instrument), shank_m_per_n: shank_flex_m_per_n(instrument) };
-    let key_friction_weight_g = values::key_friction_weight_g(instrument);
-    let found = Simulated { sheet, loudness, touches, releases, grands, repeats, flex, key_friction_weight_g };
+    let bench = Bench::of(instrument)?;
+    let found = Simulated { sheet, loudness, touches, releases, grands, repeats, flex, bench };
     let value = |name: &str| values::value(name, &found);
     let verdict = |row: &PublishedRow| {
         let Some(name) = row.measure.as_deref() else { return Verdict::Silent };

@@ -5,9 +5,9 @@ use super::presses::{Loudness, SimulatedPress};
 use super::release::{Hump, Releases};
 use super::repeats::Repeats;
 use super::touches::Touches;
+use crate::diagnose::Bench;
 use crate::measure::flex::POUND_N;
 use crate::measure::{LoopNumbers, Sheet};
-use erard::instrument::Instrument;
 
 const MS_PER_S: f64 = 1e3;
 const MM_PER_M: f64 = 1e3;
@@ -113,8 +113,7 @@ pub(super) struct Simulated {
     pub grands: Vec<BesideGrands>,
     pub repeats: Repeats,
     pub flex: Flex,
-    /// Friction weight of the key alone, g.
-    pub key_friction_weight_g: Option<f64>,
+    pub bench: Bench,
 }
 
 /// Distance from the damper's start, and from the bottom, within which the damper's share does not count, mm: let-off
@@ -134,17 +133,9 @@ fn damper_resistance(sheet: &Sheet) -> Option<f64> {
     Some(mean(with)? - mean(&sheet.hysteresis)?)
 }
 
-/// Friction weight of the key alone, stack off, at its front, g: the dry torque of its pins, which is what half the
-/// difference of its down-weight and its up-weight reads. `None` without a key.
-pub(super) fn key_friction_weight_g(instrument: &Instrument) -> Option<f64> {
-    let pinned = &instrument.bodies[instrument.first_piece(instrument.roles.key?).ok()?];
-    let front_m = instrument.roles.key_front_m[0].abs();
-    Some(1e3 * pinned.friction_torque_n_m / (front_m * instrument.gravity_m_per_s2))
-}
-
 /// Value of a name, in the unit that ends it; `None` if the event did not happen or the name is unknown.
 pub(super) fn value(name: &str, found: &Simulated) -> Option<f64> {
-    let Simulated { sheet, loudness, touches, releases, grands, repeats, flex, key_friction_weight_g } = found;
+    let Simulated { sheet, loudness, touches, releases, grands, repeats, flex, bench } = found;
     let ms = |seconds: Option<f64>| seconds.map(|s| s * MS_PER_S);
     let of = |press: &Option<SimulatedPress>, get: fn(&SimulatedPress) -> Option<f64>| press.as_ref().and_then(get);
     let mm = |metres: Option<f64>| metres.map(|m| m * MM_PER_M);
@@ -222,7 +213,7 @@ pub(super) fn value(name: &str, found: &Simulated) -> Option<f64> {
         "shank_flex_mm_per_lb" => Some(flex.shank_m_per_n? * POUND_N * MM_PER_M),
         "least_lift_share" => repeats.with_lever,
         "least_lift_without_lever_share" => repeats.without_lever,
-        "key_friction_weight_g" => *key_friction_weight_g,
+        "key_friction_weight_g" => Some(bench.key_alone_g),
         other => grands::value(other, grands).flatten(),
     }
 }
