@@ -307,6 +307,30 @@ fn zstandard_is_read() {
     }
 }
 
+/// A key that was measured behind its balance pin is compared there; a run would drive its front, and says so.
+#[test]
+fn the_back_of_a_key_is_compared() {
+    let folder = Folder::new("recordings-back");
+    let recorded = concat!(env!("CARGO_MANIFEST_DIR"), "/../erard/recordings/kawai-kg-3c-struck-1.csv");
+    folder.file("struck.csv", &std::fs::read_to_string(recorded).unwrap());
+    let arguments = ["compare", "struck.csv", "--drive", "rigid", "--model", "action", "--no-pictures", "--out"];
+    let compared = |name: &str, position: &[&str]| {
+        folder.good(&[&arguments[..], &[name], position].concat());
+        let told: Value = serde_json::from_str(&folder.read(&format!("{name}/compare.json"))).unwrap();
+        assert_eq!(told["position_of"], position.last().copied().unwrap_or("key"));
+        folder.read(&format!("{name}/compare.csv"))
+    };
+    // The hammer moves otherwise.
+    assert_ne!(compared("back", &["--position", "key-back"]), compared("front", &[]));
+    for command in ["press", "draw"] {
+        let said = folder.bad(&[command, "struck.csv", "--position", "key-back"]);
+        assert!(
+            said.contains("struck.csv") && said.contains("key's back") && said.contains("`erard compare`"),
+            "{said}"
+        );
+    }
+}
+
 /// Damaged Parquet is refused with the file's name, and units that are not known with those that are.
 #[test]
 fn what_cannot_be_read() {
