@@ -51,7 +51,7 @@ fn go(_: f64) -> bool {
 /// Distance of hammer and string, mm.
 fn blow_mm(rest: &RestPose) -> Result<f64, Box<dyn Error>> {
     let string = rest.instrument().roles.string.ok_or("no string")?;
-    Ok(-1e3 * rest.action(Settings::new(STEP_S))?.compression(string))
+    Ok(-1e3 * rest.action(Settings::new(STEP_S))?.compression(string)?)
 }
 
 /// The blow as drawn, and after one blow and more.
@@ -96,7 +96,7 @@ fn releases(all: &[&Instrument]) -> Result<String, Box<dyn Error>> {
                         Some(Input::Force(force_n * (1.0 - (t - HELD_S) / up_s).clamp(0.0, 1.0)))
                     })?;
                     action.settle(&turned, Input::Free, &mut go)?;
-                    *found = -1e3 * action.compression(string);
+                    *found = -1e3 * action.compression(string)?;
                 }
                 blows.push(found[0]);
                 by_force = found.iter().fold(by_force, |most, blow| most.max((blow - found[0]).abs()));
