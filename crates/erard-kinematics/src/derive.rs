@@ -1,9 +1,9 @@
 //! Derives three levers from an instrument file, the file from which a key press is simulated.
 //!
-//! The levers are placed as the instrument rests after it was played, friction and felts included. Whippen, jack and
-//! repetition lever turn as one body, as they do until the jack's toe touches its button. A felt that is compressed at
-//! rest keeps its thickness. A contact that is open at rest (a jack just below a knuckle carried by the repetition
-//! lever) is closed first, because the levers work only after that play is taken up.
+//! The levers are placed as the instrument rests, friction and felts included. Whippen, jack and repetition lever turn
+//! as one body, as they do until the jack's toe touches its button. A felt that is compressed at rest keeps its
+//! thickness. A contact that is open at rest (a jack just below a knuckle carried by the repetition lever) is closed
+//! first, because the levers work only after that play is taken up.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -15,8 +15,7 @@ use super::case::{Design, LetOff};
 use super::file::USUAL_LET_OFF_M;
 use erard::instrument::{Curve, Instrument, Placement, Vec2, Zone};
 use erard::mechanism::Mechanism;
-use erard::player::{ActionError, RestKind, RestPose};
-use moreau::Settings;
+use erard::player::{Action, ActionError};
 use moreau::vector::{add, dot, scale, sub};
 
 /// Play at rest that is worth telling, m.
@@ -121,8 +120,7 @@ pub fn derive(instrument: &Instrument) -> Result<Derived, DeriveError> {
     let Some(hammer) = roles.hammer else { return Err(NotThreeLevers::NoRole { role: "hammer" }.into()) };
     let parts = Parts::find(instrument, key, hammer)?;
 
-    let rest = RestPose::of(instrument, RestKind::AsPlayed, &mut |_| true)?;
-    let action = rest.action(Settings::new(instrument.usual_step_s()))?;
+    let action = Action::new(instrument)?;
     let rest = AtRest { instrument, mechanism: action.mechanism() };
     let capstan_zone = parts.capstan_zone(&rest)?;
 

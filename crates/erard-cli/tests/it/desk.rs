@@ -36,6 +36,10 @@ fn checked(folder: &Folder, home: &str, kind: &str) -> usize {
     let mut files = 0;
     for entry in std::fs::read_dir(root.join(home)).unwrap() {
         let path = entry.unwrap().path();
+        // Curves that rows are made of, and the words about them: `erard` reads neither as a file of its own.
+        if home == "validation" && path.extension().is_none_or(|e| e != "toml") {
+            continue;
+        }
         let kind = if path.ends_with("usual.toml") { "usual ranges" } else { kind };
         let kind = if path.extension().is_some_and(|e| e == "json") { "a JSON Schema" } else { kind };
         let said = folder.good_words(&["check", path.to_str().unwrap()]);
