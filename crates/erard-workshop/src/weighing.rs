@@ -30,7 +30,7 @@ impl WeighedKey {
             Ok(weights) => weights,
             Err(error) => return Some(error.clone()),
         };
-        // The key was played before it was weighed: a hammer that no string stops may not come back, so the string first.
+        // The string first: the key was played before it was weighed. A hammer that nothing stops may not come back.
         if weights.test_press.hammer_speed_m_per_s.is_none() {
             return Some("pressed mezzo forte, the hammer does not reach the string".to_owned());
         }

@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use thiserror::Error;
 
-use super::grands::Curves;
+use super::grands::{Case, LEVELS_M_PER_S, Timing, cases, grands, published_ms};
 use super::{Verdict, values};
 use crate::measure::norms::MIDDLE_C;
 use crate::measure::usual::usual;
 use erard::instrument::from_toml::from_toml;
 use erard::instrument::{Certainty, Source};
+use erard::stroke::Touch;
 
 /// The built-in table.
 const BUILTIN: &str = include_str!("../../validation/published.toml");
@@ -183,6 +184,101 @@ impl Published {
     }
 }
 
+/// Rows that are made of curves: one for every touch and level.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Curves {
+    /// Beginning of the rows' names; touch and level follow.
+    name: String,
+    /// What is compared, for display.
+    quantity: String,
+    group: String,
+    kind: PublishedKind,
+    set_by: Option<String>,
+    timing: Timing,
+    /// Hammer speeds of pressed and of struck rows, m/s.
+    pressed_m_per_s: Vec<f64>,
+    struck_m_per_s: Vec<f64>,
+    /// Grands whose curves make the range; with one, the others say how wide it is.
+    grands: Vec<String>,
+    /// What the source does not resolve: a share of the value, and ms.
+    #[serde(default)]
+    unresolved_share: f64,
+    #[serde(default)]
+    unresolved_ms: f64,
+    source: String,
+    certainty: Certainty,
+    how: String,
+    if_missed: Option<String>,
+}
+
+impl Curves {
+    /// The rows.
+    ///
+    /// # Errors
+    /// Name of the rows and what is wrong.
+    fn rows(&self) -> Result<Vec<PublishedRow>, (String, String)> {
+        let wrong = |what: String| (self.name.clone(), what);
+        let known = grands();
+        if let Some(other) = self.grands.iter().find(|name| !known.contains(&name.as_str())) {
+            return Err(wrong(format!("`grands` has `{other}`; expected of {}", known.join(", "))));
+        }
+        if self.grands.is_empty() {
+            return Err(wrong(format!("`grands` is empty; expected of {}", known.join(", "))));
+        }
+        let of = |touch: Touch, speeds: &[f64]| {
+            speeds.iter().map(move |&speed_m_per_s| Case { touch, speed_m_per_s }).collect::<Vec<_>>()
+        };
+        let asked = [of(Touch::Pressed, &self.pressed_m_per_s), of(Touch::Struck, &self.struck_m_per_s)].concat();
+        asked.into_iter().map(|case| self.row(case).map_err(wrong)).collect()
+    }
+
+    fn row(&self, case: Case) -> Result<PublishedRow, String> {
+        if !cases().any(|known| known == case) {
+            let levels: Vec<String> = LEVELS_M_PER_S.iter().map(f64::to_string).collect();
+            return Err(format!(
+                "{} at {} m/s; expected {} m/s, struck from {} on",
+                case.touch.name(),
+                case.speed_m_per_s,
+                levels.join(", "),
+                levels[1]
+            ));
+        }
+        let at = |grand: &str| published_ms(grand, case.touch, self.timing, case.speed_m_per_s).unwrap_or(f64::NAN);
+        let own: Vec<f64> = self.grands.iter().map(|grand| at(grand)).collect();
+        let low = own.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = own.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // Around one grand the range reaches as far as the others lie from it: a row that a real grand misses is no
+        // test.
+        let apart = match own[..] {
+            [one] => grands().into_iter().map(|other| (at(other) - one).abs()).fold(0.0, f64::max),
+            _ => 0.0,
+        };
+        let beyond = |end: f64| apart + self.unresolved_share * end.abs() + self.unresolved_ms;
+        let hundredths = |ms: f64| (100.0 * ms).round() / 100.0;
+        let values: Vec<String> = own.iter().map(|ms| format!("{ms:.1}")).collect();
+        Ok(PublishedRow {
+            name: format!("{}_{}_{}", self.name, case.touch.name(), case.level()),
+            quantity: format!("{}, {}, {} m/s", self.quantity, case.touch.name(), case.speed_m_per_s),
+            group: self.group.clone(),
+            kind: self.kind,
+            set_by: self.set_by.clone(),
+            measure: Some(case.measure(self.timing)),
+            beside: None,
+            unit: "ms".into(),
+            number: None,
+            published: Some(format!("{} ({})", values.join(", "), self.grands.join(", "))),
+            usual: false,
+            at_least: Some(hundredths(low - beyond(low))),
+            at_most: Some(hundredths(high + beyond(high))),
+            source: self.source.clone(),
+            certainty: self.certainty,
+            how: self.how.clone(),
+            if_missed: self.if_missed.clone(),
+        })
+    }
+}
+
 impl PublishedRow {
     /// Takes ranges from the table of usual ranges.
     fn take_usual(&mut self) -> Result<(), PublishedError> {
@@ -249,5 +345,49 @@ impl PublishedRow {
             (None, None, None, Some(high)) => format!("at most {}", number(high)),
             (None, None, None, None) => String::new(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every grand of the source lies in the range of every row that is made of it, and of the row around one other.
+    #[test]
+    fn no_real_grand_misses_a_row() {
+        let of = |grands: &[&str], unresolved_share: f64| Curves {
+            name: "x".into(),
+            quantity: "x".into(),
+            group: "x".into(),
+            kind: PublishedKind::Predicted,
+            set_by: None,
+            timing: Timing::Travel,
+            pressed_m_per_s: LEVELS_M_PER_S.to_vec(),
+            struck_m_per_s: LEVELS_M_PER_S[1..].to_vec(),
+            grands: grands.iter().map(|&grand| grand.into()).collect(),
+            unresolved_share,
+            unresolved_ms: 0.0,
+            source: "x".into(),
+            certainty: Certainty::Read,
+            how: "x".into(),
+            if_missed: None,
+        };
+        for curves in [of(&grands(), 0.0), of(&["Boesendorfer SE290"], 0.0)] {
+            let rows = curves.rows().unwrap();
+            assert_eq!(rows.len(), 13);
+            for (row, case) in rows.iter().zip(cases()) {
+                for grand in grands() {
+                    let ms = published_ms(grand, case.touch, Timing::Travel, case.speed_m_per_s).unwrap();
+                    let range = row.at_least.unwrap() - 0.01..=row.at_most.unwrap() + 0.01;
+                    assert!(range.contains(&ms), "{}: {ms} of {grand} in {range:?}", row.name);
+                }
+            }
+        }
+        let two = of(&["Steinway C", "Yamaha Disklavier"], 0.1).rows().unwrap();
+        // 98.57 x 2^-0.7147 and 89.41 x 2^-0.5959, a tenth beyond.
+        assert_eq!((two[4].at_least, two[4].at_most), (Some(53.24), Some(66.07)));
+        assert!(of(&["Bechstein"], 0.0).rows().unwrap_err().1.contains("`Bechstein`"));
+        let other = Curves { pressed_m_per_s: vec![0.6], ..of(&["Steinway C"], 0.0) };
+        assert!(other.rows().unwrap_err().1.contains("pressed at 0.6 m/s; expected 0.5, 0.7"));
     }
 }
