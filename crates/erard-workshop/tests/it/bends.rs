@@ -75,7 +75,9 @@ fn the_sheet_s_geometry_is_the_linkage_s() {
     for grand in both() {
         let levers = derive(&grand).unwrap().levers;
         let train = levers.assemble().unwrap();
-        let (parts, ratios) = on_the_scale(&grand, 6e-3, [1e-3, 5e-3]).unwrap();
+        // Both from one pose: that in which the levers are placed.
+        let drawn = RestPose::of(&grand, RestKind::AsDrawn, &mut |_| true).unwrap();
+        let (parts, ratios) = on_the_scale(&drawn, 6e-3, [1e-3, 5e-3]).unwrap();
         let ratio =
             |key_m: f64| train.stroke(key_m, key_m, 0).poses[0].hammer_ratio * levers.head[0] / levers.key_front;
         for (ours, theirs, what) in [
