@@ -53,7 +53,7 @@ pub struct Hump {
 pub struct Release {
     /// Time from leaving the held position to home.
     pub home_s: Option<f64>,
-    /// Speed upward between [`SPEED_M`].
+    /// Speed upward from 9 to 4 mm below rest, m/s.
     pub speed_m_per_s: Option<f64>,
     /// Largest travel between coming home and being home again.
     pub rebound_m: Option<f64>,
