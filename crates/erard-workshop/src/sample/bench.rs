@@ -11,6 +11,7 @@ use erard::Progress;
 use erard::grand::Parts;
 use erard::instrument::{FileNumber, Instrument, InstrumentFile, with_numbers};
 use erard::parameter::ten_digits;
+use erard::player::{RestKind, RestPose};
 
 const MM_PER_M: f64 = 1e3;
 /// Place of the leads, mm in front of the balance pin.
@@ -90,7 +91,7 @@ impl Range {
 
 impl Aim {
     pub(super) fn of(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
-        let own = distances::measure(instrument, &Protocol::default(), progress)?;
+        let own = distances::measure(&as_drawn(instrument, progress)?, &Protocol::default(), progress)?;
         let goals = Goal::ALL.into_iter().filter(|goal| *goal != Goal::RepetitionRise).filter_map(|goal| {
             let has_screw = goal.screws().any(|(known, _)| instrument.screw(known.name).is_some());
             Some((goal, goal.of(&own)?)).filter(|_| has_screw)
@@ -186,9 +187,16 @@ impl Aim {
 /// Returns the text of a file with its screws turned, and the distances measured then.
 fn regulated(text: &str, goals: &Specification, progress: &mut Progress<'_>) -> Result<(String, Distances), Unfit> {
     let mut going = |status: &Status| progress(status.share);
-    let found = regulate(&parsed(text)?, goals, &Protocol::default(), &mut going)?;
+    let drawn = as_drawn(&parsed(text)?, &mut |_| true)?;
+    let found = regulate(&drawn, goals, &Protocol::default(), &mut going)?;
     let text = found.instrument.rewrite(text, "Screws of a sample", "put right in this sample");
     Ok((text.map_err(|_| Unfit::Implausible)?, found.after))
+}
+
+/// Samples are put right as the files are: from the rest as drawn. Many a key's blow as played jumps by more than a
+/// screw's tolerance, and no sample of it would be found.
+fn as_drawn(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<RestPose, MeasureError> {
+    Ok(RestPose::of(instrument, RestKind::AsDrawn, progress)?)
 }
 
 fn parsed(text: &str) -> Result<Instrument, Unfit> {
