@@ -104,6 +104,7 @@ fn failure(error: ReproduceError) -> Failure {
         ReproduceError::OneDof(error) => error.into(),
         ReproduceError::Levers(error) => Failure::Usage(error.to_string()),
         ReproduceError::Invalid(error) => Failure::Usage(error.to_string()),
+        ReproduceError::Index(error) => Failure::Usage(error.to_string()),
         ReproduceError::Instrument(text) => Failure::Usage(text),
     }
 }

@@ -282,7 +282,7 @@ pub fn compare_chosen(
         return Err(CompareError::TooLong { found_s: duration_s });
     }
     let reduced = reduce(instrument)?.instrument;
-    let at_the_back = instrument.driven_at_key_back();
+    let at_the_back = (choice.position_of == PositionOf::KeyBack).then(|| instrument.driven_at_key_back());
     let time_s: Vec<f64> =
         (0..=(duration_s * RATE_HZ).floor() as usize).map(|n| start_s + n as f64 / RATE_HZ).collect();
     let mut notes = Vec::new();
@@ -347,7 +347,7 @@ pub fn compare_chosen(
         };
         let model = match (which, driven) {
             (Which::OneDof, _) => &reduced,
-            (Which::Action, Prescribed::Rigid) if choice.position_of == PositionOf::KeyBack => &at_the_back,
+            (Which::Action, Prescribed::Rigid) => at_the_back.as_ref().unwrap_or(instrument),
             (Which::Action, _) => instrument,
         };
         let count = plan.len() as f64;

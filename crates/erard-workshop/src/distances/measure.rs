@@ -1,11 +1,10 @@
 //! Distances of a regulated action, measured as a technician does.
 //!
 //! The action has been played once before ([`erard::player::RestPose`]). Two trials with the key give all but the lever
-//! height, which is read with the hammer lifted. Slow key: pressed from
-//! rest at a few millimetres a second until the hammer is let off, held there until the hammer has dropped, then
-//! pressed firmly to the bottom. Medium blow: a constant force throws the hammer at the string at about mf; the back
-//! check catches the hammer, then the key is let up slowly until the check lets go, and held there while the repetition
-//! spring lifts the hammer.
+//! height, which is read with the hammer lifted. Slow key: pressed from rest at a few millimetres a second until the
+//! hammer is let off, held there until the hammer has dropped, then pressed firmly to the bottom. Medium blow: a
+//! constant force throws the hammer at the string at about mf; the back check catches the hammer, then the key is let
+//! up slowly until the check lets go, and held there while the repetition spring lifts the hammer.
 
 use super::fixture::{DistanceError, Fixture, Still};
 use erard::Progress;

@@ -130,22 +130,17 @@ impl Instrument {
     }
 
     /// Finds the zone on which the pivot of a body lies: side A is on this body within a centimetre of the pivot, and
-    /// side B is a line on the body that carries the hinge. `None`: the pivot lies on nothing.
+    /// side B is a line on the body that carries the hinge. `None`: the pivot lies on nothing. The reader asks before
+    /// it adds the arm, which then carries the hinge.
     #[must_use]
     pub(crate) fn lies_on(&self, body: usize) -> Option<usize> {
-        let carrier = self.carrier(body);
+        let carrier = self.bodies[body].parent;
         self.zones.iter().position(|zone| {
             let is_line = matches!(zone.curve, super::Curve::Line { .. }) && zone.curve_body == carrier;
             is_line
                 && zone.disc_body == Some(body)
                 && libm::hypot(zone.disc_center_m[0], zone.disc_center_m[1]) < AT_PIVOT_M
         })
-    }
-
-    /// The body that carries a body's hinge, an arm between them left out; `None` is the ground.
-    fn carrier(&self, body: usize) -> Option<usize> {
-        let parent = self.bodies[body].parent?;
-        if self.is_pin(parent) { self.bodies[parent].parent } else { Some(parent) }
     }
 
     /// Iterates over the bodies whose pivots slide along a pin, each after its arm: `(arm, body)`.

@@ -230,7 +230,8 @@ impl Keys {
     /// # Errors
     /// There is no such key; keys count from 1.
     pub fn reading(&self, key: usize) -> Result<Reading, IndexError> {
-        let reading = Reading::of(&self.output(key)?, &self.own[self.index(key)?].rest);
+        let index = self.index(key)?;
+        let reading = Reading::of(&self.bank.output(index), &self.own[index].rest);
         Ok(Reading { outcome: StepOutcome::Converged, ..reading })
     }
 

@@ -51,7 +51,7 @@ fn one_blow_is_enough() {
     }
 }
 
-/// Neither steps nor friction law of what is played afterwards move it, and it is found twice to the same bits.
+/// The steps and the friction law of a later run do not change the pose, and a second search gives the same bits.
 #[test]
 fn it_does_not_depend_on_what_follows() {
     let grand = rigid_grand();

@@ -48,11 +48,7 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     for (i, n_per_m) in STIFFNESSES.into_iter().enumerate() {
         tell(progress, (i + 1) as f64 / (STIFFNESSES.len() + 1) as f64)?;
         let cloth = Bushing::Cloth { n_per_m, n_s_per_m: 2.0 * RATIO * (n_per_m * 0.010_f64).sqrt() };
-        let soften = |instrument: &Instrument, body: usize| {
-            let soft = instrument.with_bushing(body, cloth);
-            soft.map_err(|error| ReproduceError::Instrument(error.to_string()))
-        };
-        let soft = soften(&soften(instrument, first)?, second)?;
+        let soft = instrument.with_bushing(first, cloth)?.with_bushing(second, cloth)?;
         let [ahead, speed] = forte(&soft)?.ok_or_else(missing)?;
         if n_per_m >= 1e5 {
             most = most.max((ahead - rigid[0]).abs());

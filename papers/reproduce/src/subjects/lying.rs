@@ -7,7 +7,7 @@ use super::impact::tell;
 use super::{Claim, Progress, ReproduceError, Section, Table};
 use erard::instrument::{Bushing, Curve, Felt, Instrument, Zone};
 use erard::player;
-use erard::run::{Run, Setup, simulate};
+use erard::run::{Setup, simulate};
 use erard_workshop::validate::release::{Hump, Release, let_go};
 
 /// Stiffness of the punching, N/m2, and its loss: 0.11 mm under 25 N, the number that the comment of the capstan's heel
@@ -49,7 +49,7 @@ impl Lying {
     fn key(self, nailed: &Instrument) -> Result<Instrument, ReproduceError> {
         let missing = |what: &str| ReproduceError::Instrument(format!("the instrument has no {what}"));
         let key = nailed.roles.key.ok_or_else(|| missing("key"))?;
-        let back = nailed.first_piece(key).map_err(|error| ReproduceError::Instrument(error.to_string()))?;
+        let back = nailed.first_piece(key)?;
         let heel = nailed.zones.iter().position(|zone| zone.name == "capstan_heel");
         let heel = heel.ok_or_else(|| missing("zone `capstan_heel`"))?;
         let [x, y] = nailed.bodies[back].pivot_m;
@@ -75,9 +75,7 @@ impl Lying {
                     dwell: None,
                 });
             })?;
-            other
-                .with_bushing(back, Bushing::Pin { friction_n: self.pin_n })
-                .map_err(|error| ReproduceError::Instrument(error.to_string()))
+            Ok(other.with_bushing(back, Bushing::Pin { friction_n: self.pin_n })?)
         };
         // Drawn without compression it sinks by what it bears, which is the compression.
         let sunk = drawn(0.0)?;
@@ -109,7 +107,7 @@ fn released(instrument: &Instrument, held_n: f64) -> Result<Release, ReproduceEr
 fn laden(instrument: &Instrument, lead_kg: f64) -> Result<Instrument, ReproduceError> {
     let mut other = instrument.clone();
     let key = instrument.roles.key.unwrap_or(0);
-    let back = instrument.first_piece(key).map_err(|error| ReproduceError::Instrument(error.to_string()))?;
+    let back = instrument.first_piece(key)?;
     other.edit(|fields| {
         let body = &mut fields.bodies[back];
         let whole_kg = body.mass_kg + lead_kg;
@@ -146,12 +144,8 @@ fn budget(instrument: &Instrument, held_n: f64) -> Result<Budget, ReproduceError
     };
     let punching = &run.zones[bottom].normal_n;
     let arm_m = instrument.roles.key_front_m[0];
-    let name = |of: usize| instrument.bodies[of].name.as_str();
     let key = instrument.roles.key.unwrap_or(0);
-    let rate = |run: &Run, row: usize| {
-        run.bodies.iter().find(|body| body.name == name(key)).map_or(0.0, |body| body.rate_rad_per_s[row])
-    };
-    let turn = rate(&run, until);
+    let turn = run.bodies[key].rate_rad_per_s[until];
     let pieces = (0..instrument.bodies.len()).filter(|&body| instrument.is_same_part(body, key).unwrap_or(false));
     let inertia: f64 = pieces.map(|body| instrument.bodies[body].inertia_kg_m2).sum();
     Ok(Budget {

@@ -136,6 +136,9 @@ pub enum ReproduceError {
     /// A change of the instrument is not possible.
     #[error(transparent)]
     Invalid(#[from] erard::instrument::InvalidInstrument),
+    /// A change of the instrument names a part that it does not have.
+    #[error(transparent)]
+    Index(#[from] erard::IndexError),
     /// The instrument does not show the subject's behaviour.
     #[error("{0}")]
     Instrument(String),
