@@ -5,7 +5,7 @@
 //! geometry the arm is a piece of the body that carries it ([`Instrument::locked`]). What holds the arm is one of two
 //! ([`Bushing`]): a spring, or a zone at the pivot, which can only push.
 
-use super::{Body, Instrument, Spring};
+use super::{Body, DamperFelt, Instrument, InstrumentFields, ScrewAction, Spring};
 use crate::index::IndexError;
 
 /// Length of the arm of a bushing of cloth, m: long enough that the pivot's path is practically straight over its
@@ -129,12 +129,41 @@ impl Instrument {
         Instrument { fields: other }
     }
 
+    /// Returns the instrument with the pivot of a body that slides along a pin ([`Bushing::Pin`]) nailed to its drawn
+    /// place: without the arm and without the zone on which the pivot lies. Later indices of bodies and of zones fall by
+    /// one, and screws and roles of that zone go with it. A body whose pivot does not slide stays as it is.
+    ///
+    /// # Errors
+    /// There is no such body.
+    pub fn nailed(&self, body: usize) -> Result<Instrument, IndexError> {
+        IndexError::check("body", body, self.bodies.len())?;
+        let Some((index, _)) = self.lying().find(|(_, lying)| *lying == body) else { return Ok(self.clone()) };
+        let mut other = self.fields.clone();
+        if let Some(zone) = self.lies_on(body) {
+            remove_zone(&mut other, zone);
+        }
+        // The body follows its arm, and takes its index.
+        let arm = other.bodies.remove(index);
+        other.bodies[body - 1].pivot_m = [arm.pivot_m[0] + arm.center_of_mass_m[0], arm.pivot_m[1]];
+        // What is on the arm, the body's hinge above all, comes to the body that carries the arm.
+        let on =
+            |old: Option<usize>| if old == Some(index) { arm.parent } else { old.map(|o| o - usize::from(o > index)) };
+        other.bodies.iter_mut().for_each(|one| one.parent = on(one.parent));
+        other.springs.iter_mut().for_each(|spring| spring.body -= usize::from(spring.body > index));
+        for zone in &mut other.zones {
+            (zone.disc_body, zone.curve_body) = (on(zone.disc_body), on(zone.curve_body));
+        }
+        (other.roles.key, other.roles.hammer) = (on(other.roles.key), on(other.roles.hammer));
+        other.parts.iter_mut().for_each(|part| part.body = on(part.body));
+        Ok(Instrument { fields: other })
+    }
+
     /// Finds the zone on which the pivot of a body lies: side A is on this body within a centimetre of the pivot, and
-    /// side B is a line on the body that carries the hinge. `None`: the pivot lies on nothing. The reader asks before
-    /// it adds the arm, which then carries the hinge.
+    /// side B is a line on the body that carries the hinge, or the arm of its pin. `None`: the pivot lies on nothing.
     #[must_use]
     pub(crate) fn lies_on(&self, body: usize) -> Option<usize> {
         let carrier = self.bodies[body].parent;
+        let carrier = carrier.filter(|&arm| self.is_pin(arm)).map_or(carrier, |arm| self.bodies[arm].parent);
         self.zones.iter().position(|zone| {
             let is_line = matches!(zone.curve, super::Curve::Line { .. }) && zone.curve_body == carrier;
             is_line
@@ -161,6 +190,29 @@ impl Instrument {
     fn is_pin(&self, body: usize) -> bool {
         let arm = &self.bodies[body];
         arm.is_bend && self.springs.iter().all(|spring| spring.body != body)
+    }
+}
+
+/// Removes a zone with the roles and the screws that refer to it.
+fn remove_zone(fields: &mut InstrumentFields, removed: usize) {
+    let after = |zone: usize| (zone != removed).then(|| zone - usize::from(zone > removed));
+    fields.zones.remove(removed);
+    let roles = &mut fields.roles;
+    let single = [&mut roles.key_bottom, &mut roles.string, &mut roles.pedal, &mut roles.let_off, &mut roles.check];
+    single.into_iter().for_each(|zone| *zone = zone.and_then(after));
+    for several in [&mut roles.knuckle, &mut roles.transmits, &mut roles.stops] {
+        *several = several.iter().filter_map(|zone| after(*zone)).collect();
+    }
+    fields.screws.retain_mut(|screw| match &mut screw.action {
+        ScrewAction::Disc { zone, .. } | ScrewAction::Curve { zone, .. } | ScrewAction::Turn { zone } => {
+            let kept = after(*zone);
+            *zone = kept.unwrap_or(*zone);
+            kept.is_some()
+        }
+        ScrewAction::Spring { .. } => true,
+    });
+    for string in &mut fields.strings {
+        string.damper = string.damper.and_then(|felt| Some(DamperFelt { zone: after(felt.zone)?, ..felt }));
     }
 }
 
@@ -251,5 +303,27 @@ damping_N_s_per_m = 10
         for other in [long, light] {
             assert!(usual.iter().zip(other).all(|(a, b)| (a / b - 1.0).abs() < 0.01));
         }
+    }
+
+    /// Nailed, an instrument whose key lies is the one whose file has neither the zone nor the pin: indices of zones in
+    /// roles and screws included.
+    #[test]
+    fn nailed_it_is_the_file_without_zone_and_pin() {
+        let screw = |name: &str, zone: &str| {
+            format!(
+                "[[screw]]\nname = \"{name}\"\nzone = \"{zone}\"\nside = \"curve\"\ndirection = [0, 1]\nsetting_mm = 0.1\n"
+            )
+        };
+        let regulated = KEY.replace("key_front_mm", "key_bottom = \"front\"\nkey_front_mm") + &screw("dip", "front");
+        let lying = regulated.clone() + &screw("height", "balance_rail");
+        let (from, to) = (regulated.find("[[zone]]").unwrap(), regulated.rfind("[[zone]]").unwrap());
+        let without = (regulated[..from].to_owned() + &regulated[to..]).replace("pin_friction_N = 0", "");
+        let [lying, without] = [lying, without].map(|text| Instrument::parse(&text, "key.toml").unwrap());
+        assert_eq!((lying.roles.key, lying.roles.key_bottom, lying.screws.len()), (Some(1), Some(1), 2));
+        assert_eq!(lying.nailed(1).unwrap(), without);
+        // What does not slide stays: the arm itself, and a key that is nailed.
+        assert_eq!(lying.nailed(0).unwrap(), lying);
+        assert_eq!(without.nailed(0).unwrap(), without);
+        assert!(lying.nailed(2).is_err());
     }
 }

@@ -32,6 +32,7 @@ mod strings;
 mod struck;
 mod touch;
 mod train;
+mod train_loss;
 mod transfer;
 mod weight;
 
@@ -173,9 +174,10 @@ pub fn subjects() -> Vec<Subject> {
         subject("conformance", "Textbook problems with known answers", 40.0, conformance_rows::section),
         subject("what-gives", "What yields in a loud note, and what it does to timing", 8.0, gives::section),
         subject("train-felts", "Stiffness and loss of heel and knuckle", 16.0, train::section),
+        subject("train-loss", "What heel and knuckles give back of a blow", 0.5, train_loss::section),
         subject("dynamics", "From gentle to loud: touches, hands, travel times", 3.0, dynamics::section),
         subject("struck-hand", "What the struck hand does", 2.0, struck::section),
-        subject("lying-key", "The key that lies on its balance rail", 1.0, lying::section),
+        subject("lying-key", "The key that lies on its balance rail", 2.0, lying::section),
         subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
         subject("events", "How events converge, and which of them are chance", 6.0, events::section),
         subject("laid-weight", "A weight laid on the key", 1.0, weight::section),

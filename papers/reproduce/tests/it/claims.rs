@@ -27,7 +27,7 @@ fn a_lying_key_returns_less_and_still_starts_too_slowly() {
     let subject = subjects().into_iter().find(|s| s.name == "lying-key").expect("a subject of this name");
     let holds: Vec<bool> =
         (subject.run)(&grand, &mut |_| true).expect("it can be computed").claims.iter().map(|c| c.holds).collect();
-    assert_eq!(holds, [true, true, false]);
+    assert_eq!((holds.len(), holds[0], holds[1], holds[6]), (7, true, true, false));
 }
 
 // Slow subjects, one test each: they run side by side.
