@@ -61,6 +61,9 @@ pub struct Release {
     pub humps: Option<Vec<Hump>>,
     /// Largest rise of the key's pivot from the drawn place after it was let go; `None` if it is nailed to its pin.
     pub lift_m: Option<f64>,
+    /// Rise of the hammer's strike point as the key is let go: where the check holds it, or the lever. Without meaning
+    /// if there is no hammer.
+    pub held_hammer_m: f64,
     /// How long the hammer is below its place of rest as it comes home, how long above, below and above again.
     pub hammer_s: [Option<f64>; 4],
 }
@@ -155,6 +158,7 @@ impl Course {
             rebound_m,
             humps: home.map(|home| humps(&key[home..])),
             lift_m: self.lift_m,
+            held_hammer_m: self.hammer_m.first().copied().unwrap_or(f64::NAN),
             hammer_s: self.hammer_s(),
         }
     }

@@ -130,8 +130,8 @@ impl Instrument {
     }
 
     /// Returns the instrument with the pivot of a body that slides along a pin ([`Bushing::Pin`]) nailed to its drawn
-    /// place: without the arm and without the zone on which the pivot lies. Later indices of bodies and of zones fall by
-    /// one, and screws and roles of that zone go with it. A body whose pivot does not slide stays as it is.
+    /// place: without the arm and without the zone on which the pivot lies. Later indices of bodies and of zones fall
+    /// by one, and screws and roles of that zone go with it. A body whose pivot does not slide stays as it is.
     ///
     /// # Errors
     /// There is no such body.
@@ -142,14 +142,14 @@ impl Instrument {
         if let Some(zone) = self.lies_on(body) {
             remove_zone(&mut other, zone);
         }
-        // The body follows its arm, and takes its index.
+        // The arm precedes its body.
         let arm = other.bodies.remove(index);
         other.bodies[body - 1].pivot_m = [arm.pivot_m[0] + arm.center_of_mass_m[0], arm.pivot_m[1]];
         // What is on the arm, the body's hinge above all, comes to the body that carries the arm.
-        let on =
-            |old: Option<usize>| if old == Some(index) { arm.parent } else { old.map(|o| o - usize::from(o > index)) };
+        let lowered = |old: usize| old - usize::from(old > index);
+        let on = |old: Option<usize>| if old == Some(index) { arm.parent } else { old.map(lowered) };
         other.bodies.iter_mut().for_each(|one| one.parent = on(one.parent));
-        other.springs.iter_mut().for_each(|spring| spring.body -= usize::from(spring.body > index));
+        other.springs.iter_mut().for_each(|spring| spring.body = lowered(spring.body));
         for zone in &mut other.zones {
             (zone.disc_body, zone.curve_body) = (on(zone.disc_body), on(zone.curve_body));
         }

@@ -19,7 +19,8 @@ use erard::one_dof;
 /// Felts of the train between key and hammer.
 const HEEL: &str = "capstan_heel";
 const KNUCKLES: [&str; 2] = ["jack_knuckle", "lever_knuckle"];
-/// Speeds of the blow, m/s, and static loads, N: none; and about those of a heel at rest, and under a hand that presses.
+/// Speeds of the blow, m/s, and static loads, N: none, less and about as much as a heel bears at rest, and as under a
+/// hand that presses.
 const SPEEDS_M_PER_S: [f64; 5] = [0.05, 0.1, 0.2, 0.5, 1.0];
 const LOADS_N: [f64; 4] = [0.0, 0.5, 2.0, 8.0];
 /// Losses of the sliders (`iwan_loss`) beside the file's own.
@@ -213,21 +214,26 @@ fn felts(instrument: &Instrument) -> Result<Vec<(&'static str, Bench)>, Reproduc
     Ok(felts)
 }
 
-/// The built-in file's loss at a zone, and its deviation.
-fn spread(zone: &str) -> Result<[f64; 2], ReproduceError> {
-    let missing = || missing(&format!("spread of `iwan_loss` of `{zone}` in {FILE}"));
+/// The built-in file's number of a felt at a zone, and the ends of its spread.
+fn spread(zone: &str, number: &str) -> Result<[f64; 3], ReproduceError> {
+    let missing = || missing(&format!("spread of `{number}` of `{zone}` in {FILE}"));
     let file = InstrumentFile::builtin(FILE).ok_or_else(missing)?;
-    let key = format!("zone.{zone}.felt.iwan_loss");
-    let number = file.provenance.numbers.iter().find(|number| number.key == key).ok_or_else(missing)?;
-    match number.citation.as_ref().and_then(|citation| citation.spread) {
-        Some(Spread::PlusMinus(by)) => Ok([number.values[0], by]),
-        Some(Spread::Factor(_)) | None => Err(missing()),
+    let key = format!("zone.{zone}.felt.{number}");
+    let found = file.provenance.numbers.iter().find(|number| number.key == key).ok_or_else(missing)?;
+    let value = found.values[0];
+    match found.citation.as_ref().and_then(|citation| citation.spread) {
+        Some(Spread::PlusMinus(by)) => Ok([value, value - by, value + by]),
+        Some(Spread::Factor(by)) => Ok([value, value / by, value * by]),
+        None => Err(missing()),
     }
 }
 
-/// Least and largest ratio over all blows without a load, of losses between two ends.
-fn covered(bench: Bench, [loss, by]: [f64; 2]) -> [f64; 2] {
-    let ends = [loss - by, loss + by].map(|eta| bench.losing(eta.clamp(0.0, MOST_LOSS)));
+/// Least and largest ratio over all blows without a load, of losses at two ends, each with its factor of b.
+fn covered(bench: Bench, ends: [[f64; 2]; 2]) -> [f64; 2] {
+    let ends = ends.map(|[eta, b]| {
+        let end = bench.losing(eta.clamp(0.0, MOST_LOSS));
+        Bench { law: Iwan { damping: b * end.law.damping, ..end.law }, ..end }
+    });
     let ratios = ends.into_iter().flat_map(|end| SPEEDS_M_PER_S.map(|speed| end.by_engine(speed).unwrap_or(f64::NAN)));
     ratios.fold([f64::INFINITY, 0.0], |[least, most], ratio| [least.min(ratio), most.max(ratio)])
 }
@@ -316,15 +322,19 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
         ),
     ];
     for (name, own) in &felts {
-        let [loss, by] = spread(name)?;
-        let [least, most] = covered(*own, [loss, by]);
+        let [loss, low, high] = spread(name, "iwan_loss")?;
+        let [b, weak, strong] = spread(name, "damping_N_s_per_m3")?;
+        let [least, most] = covered(*own, [[low, 1.0], [high, 1.0]]);
+        let [too_least, too_most] = covered(*own, [[low, weak / b], [high, strong / b]]);
         claims.push(Claim::new(
             "this program",
             format!(
                 "the spread of `iwan_loss` of `{name}` in the built-in grand covers ratios from {} to {}",
                 COVERED[0], COVERED[1]
             ),
-            format!("{loss} +-{by} gives {least:.2} to {most:.2}"),
+            format!(
+                "{loss}, {low:.2} to {high:.2}, gives {least:.2} to {most:.2}; with that of b, too, {too_least:.2} to {too_most:.2}"
+            ),
             least <= COVERED[0] && most >= COVERED[1],
         ));
     }
@@ -333,8 +343,8 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
             "A mass rests on the felt under a load, with its sliders slipped as the load came; it is thrown into the felt \
              and comes back. Its largest speed on the way back, over that of the blow, is the ratio of speeds; its square \
              is the share of energy given back. The mass is what the two sides of the contact are in series, with \
-             everything on its pivots: key and stack at the heel, hammer and the rest at the knuckle. It counts only \
-             beside the viscous part b. Other losses keep the curve under load, (1 + loss) k. The last column is the \
+             everything on its pivots: key and stack at the heel, hammer and the rest at the knuckle. With an exponent of \
+             2 it counts only beside a load: b's part of the force, over the spring's, depends on the speed alone. Other losses keep the curve under load, (1 + loss) k. The last column is the \
              closed form of the sliders alone."
                 .to_owned(),
             "No published loop of a heel, a knuckle or a back-rail cloth was found. M. Hirschkorn (thesis, Waterloo 2004) \

@@ -19,15 +19,26 @@ fn claims_hold() {
     hold(&["paper2-felt", "paper3-levers", "released-key", "laid-weight"]);
 }
 
-/// What a lying key changes, and what it leaves open: no hold explains the first millimetre of a recorded release.
+/// What a lying key changes, and what it leaves open: it comes back once, not twice, and no hold explains the first
+/// millimetre of a recorded release.
 #[test]
 #[ignore = "ci: a slow subject of the report"]
 fn a_lying_key_returns_less_and_still_starts_too_slowly() {
+    assert_eq!(on_the_grand("lying-key"), [true, true, true, true, true, false, false]);
+}
+
+/// What heel and knuckles give back. The spread of the file leaves out what gives back most: whoever changes it changes
+/// that chapter.
+#[test]
+fn the_spread_of_the_train_leaves_out_what_gives_back_most() {
+    assert_eq!(on_the_grand("train-loss"), [true, true, true, true, false, false]);
+}
+
+/// Which claims of a subject hold on the grand that bends.
+fn on_the_grand(name: &str) -> Vec<bool> {
     let grand = Instrument::builtin("concert-grand").expect("the built-in grand reads");
-    let subject = subjects().into_iter().find(|s| s.name == "lying-key").expect("a subject of this name");
-    let holds: Vec<bool> =
-        (subject.run)(&grand, &mut |_| true).expect("it can be computed").claims.iter().map(|c| c.holds).collect();
-    assert_eq!((holds.len(), holds[0], holds[1], holds[6]), (7, true, true, false));
+    let subject = subjects().into_iter().find(|s| s.name == name).expect("a subject of this name");
+    (subject.run)(&grand, &mut |_| true).expect("it can be computed").claims.iter().map(|c| c.holds).collect()
 }
 
 // Slow subjects, one test each: they run side by side.
