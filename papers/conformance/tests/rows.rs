@@ -65,6 +65,7 @@ problems_hold! {
     stulovs_hereditary_felt 25
     friction_that_grows_at_rest 26
     felt_with_sliders_in_parallel 27
+    difference_quotients_through_an_impact 28
 }
 
 #[test]

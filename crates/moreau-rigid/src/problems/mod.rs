@@ -15,6 +15,7 @@ mod rocking;
 mod rod;
 mod row;
 mod run;
+mod slopes;
 mod slot;
 mod springs;
 mod stack;
@@ -50,5 +51,6 @@ pub fn problems() -> Vec<Problem> {
         problem(19, "Surfaces that end", finite::rows),
         problem(20, "Scotch yoke", slot::rows),
         problem(21, "Torsion springs and stiff springs", springs::rows),
+        problem(28, "Difference quotients through an impact", slopes::rows),
     ]
 }
