@@ -293,7 +293,7 @@ pub extern "C" fn erard_sheet_lines(key: u32, length: *mut usize, status: *mut E
     told(null_mut(), status, || {
         let key = known_key(key)?;
         let groups = GROUPS.iter().map(|group| {
-            let lines = group.lines.iter().map(|line| {
+            let lines = group.page_lines().map(|line| {
                 json!({
                     "key": line.key,
                     "label": line.label.trim_start(),

@@ -28,12 +28,13 @@ use crate::setup::Steps;
 use crate::stroke::Stroke;
 use crate::watch::watched;
 
-/// Returns the lines of the technician's sheet: key, name, unit, decimals, usual range at a key of the piano.
+/// Returns the lines of the technician's sheet: key, name, unit, decimals, usual range at a key of the piano, and
+/// whether a whole sheet leaves the line out.
 #[pyfunction]
 #[pyo3(signature = (key=None))]
-pub fn measure_lines(key: Option<usize>) -> Vec<(&'static str, &'static str, &'static str, usize, String)> {
+pub fn measure_lines(key: Option<usize>) -> Vec<(&'static str, &'static str, &'static str, usize, String, bool)> {
     let key = key.unwrap_or(MIDDLE_C);
-    lines().map(|line| (line.key, line.label, line.unit, line.decimals, line.usual(key))).collect()
+    lines().map(|line| (line.key, line.label, line.unit, line.decimals, line.usual(key), line.on_request)).collect()
 }
 
 /// Returns the lines of the sheet by their names; `argument` is named in the error.

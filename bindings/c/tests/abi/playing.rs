@@ -288,7 +288,7 @@ fn scenes_sheets_and_trials() {
         .iter()
         .flat_map(|group| group["lines"].as_array().unwrap().iter().map(|line| line["key"].as_str().unwrap()))
         .collect();
-    assert_eq!(keys, erard_workshop::measure::norms::lines().map(|line| line.key).collect::<Vec<_>>());
+    assert_eq!(keys, erard_workshop::measure::norms::page_lines().map(|line| line.key).collect::<Vec<_>>());
     let mut status = ErardStatus::Ok;
     assert!(erard_sheet_lines(89, null_mut(), &raw mut status).is_null() && status == ErardStatus::NoSuch);
 

@@ -666,7 +666,10 @@ class Sheet(Values):
             Quantity, value with its unit, and usual range at the key of the piano.
         """
         found = []
-        for key, label, unit, decimals, usual in _erard.measure_lines(self._key):
+        whole = "flags" in self._values
+        for key, label, unit, decimals, usual, on_request in _erard.measure_lines(self._key):
+            if on_request and whole:
+                continue
             value: Any = self._values
             for part in key.split("."):
                 value = value.get(part) if isinstance(value, Mapping) else None
@@ -677,7 +680,7 @@ class Sheet(Values):
         return found
 
     def __repr__(self) -> str:
-        rows = "\n".join(f"  {what:<34}{value:>14}   {usual}" for what, value, usual in self.lines())
+        rows = "\n".join(f"  {what:<40}{value:>14}   {usual}" for what, value, usual in self.lines())
         return f"{self.instrument}\n{rows}"
 
     def _repr_html_(self) -> str:

@@ -9,7 +9,7 @@ use erard::player::{AtRest, RestKind, RestPose};
 use erard::run::SimulationError;
 use erard_workshop::balance::Lead;
 use erard_workshop::cores::{self, Ending};
-use erard_workshop::measure::norms::{Line, lines as all_lines};
+use erard_workshop::measure::norms::{Line, page_lines};
 use erard_workshop::measure::{MeasureError, Sheet, measure, measure_some};
 use erard_workshop::sample::unless_interrupted;
 use erard_workshop::worklist::{Readings, worklist};
@@ -244,7 +244,7 @@ impl Measure {
         if self.sheet {
             return Err(Failure::Usage("--bands and --sheet cannot be combined: a sheet describes one piano".into()));
         }
-        let lines = if self.only.is_empty() { all_lines().collect() } else { measured_lines("--only", &self.only)? };
+        let lines = if self.only.is_empty() { page_lines().collect() } else { measured_lines("--only", &self.only)? };
         let named = self.named(session, std::slice::from_ref(asked))?;
         let Some(one) = named.first() else { return Err(Failure::Internal("no instrument".into())) };
         let mut output = self.out.prepare(session, "measure", &["bands.csv", "bands.json"])?;

@@ -1,7 +1,7 @@
 //! The sheets as one page that opens from disk and prints well: nothing is fetched, and there is no script.
 
 use erard_figures::drawing::at_night;
-use erard_workshop::measure::norms::{GROUPS, Line};
+use erard_workshop::measure::norms::{GROUPS, Line, ratios_compared};
 use erard_workshop::measure::range::MIDI_MAP;
 
 use super::figures::Drawn;
@@ -118,10 +118,19 @@ fn table(measured: &[Measured], lengths: Lengths) -> Markup {
             tbody {
                 @for group in GROUPS.iter() {
                     tr.group { th colspan=(measured.len() + 3) scope="rowgroup" { (group.heading) } }
-                    @for line in group.lines.iter().filter(is_shown) { (row(line, measured, lengths)) }
+                    @for line in group.page_lines().filter(is_shown) { (row(line, measured, lengths)) }
                 }
             }
         } }
+        p.soft {
+            "R, the strike-weight ratio, is the weight on the key's front that balances a gram at the hammer's head. The \
+             usual range is R's. The lever ratios check it: without friction they are R, each at its place."
+        }
+        @for one in measured {
+            @if let Some(compared) = ratios_compared(&one.sheet) {
+                p.soft { @if measured.len() > 1 { (one.label) ": " } (compared) }
+            }
+        }
     }
 }
 

@@ -29,7 +29,7 @@ const USUAL: [(&str, &str); 15] = [
     ("friction_weight_g", "F g"),
     ("front_weight_g", "FW g"),
     ("strike_weight_g", "SW g"),
-    ("strike_weight_ratio_weights", "ratio"),
+    ("strike_weight_ratio_weights", "R"),
     ("effective_inertia_kg", "inertia kg"),
     ("dip_mm", "dip mm"),
     ("blow_mm", "blow mm"),

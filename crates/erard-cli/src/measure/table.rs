@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use erard_workshop::measure::Sheet;
 use erard_workshop::measure::flight::Flight;
-use erard_workshop::measure::norms::{GROUPS, Line};
+use erard_workshop::measure::norms::{GROUPS, Line, ratios_compared};
 
 use super::Measured;
 use super::{shown, usual};
@@ -32,7 +32,7 @@ pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
     for group in GROUPS.iter() {
         rows.push(vec![group.heading.to_owned()].into_iter().chain(vec![String::new(); measured.len() + 1]).collect());
-        for line in &group.lines {
+        for line in group.page_lines() {
             if measured.iter().all(|one| (line.value)(&one.sheet).is_none()) && line.norm().is_none() {
                 continue;
             }
@@ -56,6 +56,11 @@ pub(crate) fn text(measured: &[Measured], lengths: Lengths) -> String {
     let _ =
         writeln!(out, "\n{}", Table::of([""].into_iter().chain(heads).chain(["usual"]), rows).to_string().trim_end());
     let whose = |one: &Measured| if measured.len() > 1 { format!(", {}", one.label) } else { String::new() };
+    for one in measured {
+        let Some(compared) = ratios_compared(&one.sheet) else { continue };
+        let of = if measured.len() > 1 { format!("{}: ", one.label) } else { String::new() };
+        let _ = writeln!(out, "\n  {of}{compared}");
+    }
     for one in measured {
         let heading = format!("Timing{} (ms after key start; built-in touches, a hand of 200 g)", whose(one));
         let _ = writeln!(out, "\n  {heading}\n{}", timing(one));

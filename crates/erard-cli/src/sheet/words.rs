@@ -39,10 +39,10 @@ pub(crate) fn left(list: &Worklist, lengths: Lengths) -> Vec<String> {
 }
 
 /// What is out of its range and no line of work is for, with what it comes from: a line each. Other readings of the
-/// same weight or ratio are left out.
+/// same weight are left out.
 pub(crate) fn beyond(sheet: &Sheet) -> Vec<String> {
     let is_worked_on = |key: &str| {
-        const READ_OTHERWISE: [&str; 3] = ["by_slow_loop.", "dampers_down.", "strike_weight_ratio_"];
+        const READ_OTHERWISE: [&str; 2] = ["by_slow_loop.", "dampers_down."];
         ReadingQuantity::ALL.iter().any(|quantity| quantity.key() == key)
             || READ_OTHERWISE.iter().any(|other| key.starts_with(other))
     };

@@ -87,6 +87,19 @@ fn one_sheet() {
     for flag in json["flags"].as_array().unwrap() {
         assert!(printed.contains(flag["message"].as_str().unwrap()), "{flag}");
     }
+    // One R, with its definition and its range; the levers' ratios have none, and a sentence compares the two.
+    let ratio = line("strike-weight ratio R (BW+FW-KR WW)/SW");
+    let value = format!("{:.2}", number("strike_weight_ratio_weights"));
+    assert!(ratio.contains(&value) && ratio.ends_with("5.00-6.06"), "{ratio}");
+    let ratios: Vec<&str> = printed.lines().filter(|line| line.trim_start().starts_with("lever ratio ")).collect();
+    assert_eq!(ratios.len(), 3, "{ratios:?}");
+    for key in ["at_rest", "half_way", "at_let_off"] {
+        let value = format!("{:.2}", number(&format!("strike_weight_ratio_kinematics_{key}")));
+        assert!(ratios.iter().any(|line| line.trim_end().ends_with(&value)), "{key}: {ratios:?}");
+    }
+    let apart = number("strike_weight_ratio_weights") / number("strike_weight_ratio_kinematics") - 1.0;
+    let compared = format!("R and the lever ratio where D and U are decided differ by {:.1} %", 100.0 * apart.abs());
+    assert!(printed.contains(&compared), "{printed}");
     let out = folder.0.join("erard-out-measure");
     for figure in ["hysteresis", "inertia", "range", "timing", "action"] {
         let svg = fs::read_to_string(out.join(format!("{figure}.svg"))).unwrap();
@@ -211,10 +224,9 @@ fn the_technicians_sheet() {
     for key in ["let_off_mm", "drop_mm", "repetition_spring_m_per_s"] {
         assert!(out_of_norm.iter().any(|one| one == key), "{key}: {sheets}");
     }
-    // What is out and no line of work is for is said, once: other readings of the same weight or ratio are not.
+    // What is out and no line of work is for is said, once: other readings of the same weight are not.
     let read = sheets[0]["readings_before"].as_object().unwrap();
-    let is_beyond =
-        |key: &str| !read.contains_key(key) && !key.contains('.') && !key.starts_with("strike_weight_ratio");
+    let is_beyond = |key: &str| !read.contains_key(key) && !key.contains('.');
     let beyond = out_of_norm.iter().filter(|key| is_beyond(key.as_str().unwrap())).count();
     assert_eq!(sheets[0]["not_by_this_list"].as_array().unwrap().len(), beyond, "{sheets}");
     let whats: Vec<&str> =

@@ -11,7 +11,7 @@ use erard::player::{AtRest, BLOW_N, HELD_S, Input, LET_UP_S, RestKind, RestPose}
 use erard::run::simulate_at_rest;
 use erard::{Instrument, Settings, Setup};
 use erard_workshop::measure::measure;
-use erard_workshop::measure::norms::lines;
+use erard_workshop::measure::norms::page_lines;
 use erard_workshop::measure::weights::on_the_scale;
 
 const PAGE: &str = include_str!("page.md");
@@ -177,7 +177,7 @@ fn sheets(all: &[Instrument]) -> Result<String, Box<dyn Error>> {
     }
     text += "\n|---|";
     text += &"---|".repeat(all.len());
-    for line in lines() {
+    for line in page_lines() {
         let unit = if line.unit.is_empty() { String::new() } else { format!(", {}", line.unit) };
         write!(text, "\n| {}{unit} |", line.label)?;
         for pair in &sheets {

@@ -48,17 +48,17 @@ pub struct Sheet {
     pub whippen_weight_g: f64,
     /// Grams at the front per gram over the capstan.
     pub key_ratio: f64,
-    /// R by the equation of balance.
+    /// R, by the equation of balance: (BW + FW - KR WW) / SW.
     pub strike_weight_ratio_weights: Option<f64>,
     /// R from the two forces of the slow loop half-way, where friction cancels.
     pub strike_weight_ratio_weights_half_way: Option<f64>,
-    /// R by the geometry: mean of the ratios at the two places that decide down-weight and up-weight.
+    /// Lever ratio by the geometry: mean of those at the two places that decide down-weight and up-weight.
     pub strike_weight_ratio_kinematics: f64,
-    /// R by the geometry, at rest.
+    /// Lever ratio at rest.
     pub strike_weight_ratio_kinematics_at_rest: f64,
-    /// R by the geometry, half-way to where let-off begins.
+    /// Lever ratio half-way to where let-off begins.
     pub strike_weight_ratio_kinematics_half_way: f64,
-    /// R by the geometry, where let-off begins.
+    /// Lever ratio where let-off begins.
     pub strike_weight_ratio_kinematics_at_let_off: f64,
     /// Key travel to its bottom, mm.
     pub dip_mm: Option<f64>,

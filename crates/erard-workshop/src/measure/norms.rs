@@ -39,6 +39,9 @@ pub struct Line {
     pub unit: Kept,
     /// Significant decimals.
     pub decimals: usize,
+    /// Whether no page shows the line: only callers that name it get it.
+    #[serde(default)]
+    pub on_request: bool,
     /// Function that returns the line's value from a sheet.
     #[serde(skip, default = "no_value")]
     pub value: fn(&Sheet) -> Option<f64>,
@@ -82,11 +85,11 @@ const VALUES: [Value; 46] = [
     ("whippen_weight_g", |s| Some(s.whippen_weight_g)),
     ("key_ratio", |s| Some(s.key_ratio)),
     ("strike_weight_ratio_weights", |s| s.strike_weight_ratio_weights),
-    ("strike_weight_ratio_kinematics", |s| Some(s.strike_weight_ratio_kinematics)),
     ("strike_weight_ratio_weights_half_way", |s| s.strike_weight_ratio_weights_half_way),
-    ("strike_weight_ratio_kinematics_half_way", |s| Some(s.strike_weight_ratio_kinematics_half_way)),
     ("strike_weight_ratio_kinematics_at_rest", |s| Some(s.strike_weight_ratio_kinematics_at_rest)),
+    ("strike_weight_ratio_kinematics_half_way", |s| Some(s.strike_weight_ratio_kinematics_half_way)),
     ("strike_weight_ratio_kinematics_at_let_off", |s| Some(s.strike_weight_ratio_kinematics_at_let_off)),
+    ("strike_weight_ratio_kinematics", |s| Some(s.strike_weight_ratio_kinematics)),
     ("dip_mm", |s| s.dip_mm),
     ("blow_mm", |s| s.blow_mm),
     ("lost_motion_mm", |s| s.lost_motion_mm),
@@ -132,9 +135,21 @@ pub static GROUPS: LazyLock<Vec<Group>> = LazyLock::new(|| {
     groups
 });
 
-/// Iterates over all lines.
+/// Iterates over all lines, those on no page included.
 pub fn lines() -> impl Iterator<Item = &'static Line> {
     GROUPS.iter().flat_map(|group| &group.lines)
+}
+
+/// Iterates over the lines that pages show.
+pub fn page_lines() -> impl Iterator<Item = &'static Line> {
+    GROUPS.iter().flat_map(Group::page_lines)
+}
+
+impl Group {
+    /// Iterates over the lines of the group that pages show.
+    pub fn page_lines(&self) -> impl Iterator<Item = &Line> {
+        self.lines.iter().filter(|line| !line.on_request)
+    }
 }
 
 impl Line {
@@ -202,6 +217,25 @@ const DAMPER: &str = "damper_start_share";
 const RATIOS_AGREE: f64 = 0.02;
 const WAYS_AGREE_G: f64 = 0.5;
 
+/// How far R by the equation of balance is from the lever ratio, as a share and in words.
+fn ratios_apart(sheet: &Sheet) -> Option<(f64, String)> {
+    let apart = (sheet.strike_weight_ratio_weights? / sheet.strike_weight_ratio_kinematics - 1.0).abs();
+    let mut words = format!("R and the lever ratio where D and U are decided differ by {:.1} %", 100.0 * apart);
+    if let Some(half_way) = sheet.strike_weight_ratio_weights_half_way {
+        // Down-weight and up-weight are decided at different places: BW contains any difference of their friction.
+        let there = half_way / sheet.strike_weight_ratio_kinematics_half_way - 1.0;
+        words += &format!("; half-way, where friction cancels, by {:.1} %", 100.0 * there.abs());
+    }
+    Some((apart, words))
+}
+
+/// The sentence with which a page checks R by the levers; `None` without R.
+#[must_use]
+pub fn ratios_compared(sheet: &Sheet) -> Option<String> {
+    let (_, words) = ratios_apart(sheet)?;
+    Some(format!("{words} (up to {:.0} % they agree).", 100.0 * RATIOS_AGREE))
+}
+
 /// Returns values outside the norm, and values that disagree with each other.
 pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
     let mut flags = Vec::new();
@@ -218,18 +252,10 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
         };
         flags.push(Flag { key: line.key, message });
     }
-    if let Some(weights) = sheet.strike_weight_ratio_weights {
-        let apart = weights / sheet.strike_weight_ratio_kinematics - 1.0;
-        if apart.abs() > RATIOS_AGREE {
-            let mut message = format!("R from weights and R from the geometry differ by {:.1} %", 100.0 * apart.abs());
-            if let Some(half_way) = sheet.strike_weight_ratio_weights_half_way {
-                // Down-weight and up-weight are decided at different places: BW contains any difference of their
-                // friction.
-                let there = half_way / sheet.strike_weight_ratio_kinematics_half_way - 1.0;
-                message += &format!("; half-way, where friction cancels, {:.1} %", 100.0 * there.abs());
-            }
-            flags.push(Flag { key: "strike_weight_ratio_weights", message });
-        }
+    if let Some((apart, message)) = ratios_apart(sheet)
+        && apart > RATIOS_AGREE
+    {
+        flags.push(Flag { key: "strike_weight_ratio_weights", message });
     }
     for (key, what, tried, read) in [
         ("down_weight_g", "down-weight", sheet.down_weight_g, sheet.by_slow_loop.down_weight_g),
@@ -250,6 +276,20 @@ pub(super) fn flags(sheet: &Sheet) -> Vec<Flag> {
 mod tests {
     use super::*;
     use crate::measure::range::HARDLY_HEARD_M_PER_S;
+
+    /// A page has one R; other ratios of the sheet are the levers', which no range of R judges.
+    #[test]
+    fn a_page_has_one_ratio() {
+        let ratios: Vec<&Line> = page_lines().filter(|line| line.key.starts_with("strike_weight_ratio")).collect();
+        let [r, levers @ ..] = &ratios[..] else { panic!("no R") };
+        assert!(r.label.contains(" R ") && r.norm().is_some(), "{r:?}");
+        assert_eq!(levers.len(), 3);
+        for lever in levers {
+            assert!(lever.label.starts_with("lever ratio ") && lever.norm().is_none(), "{lever:?}");
+        }
+        let asked = lines().filter(|line| line.on_request).inspect(|line| assert!(line.norm().is_none(), "{line:?}"));
+        assert_eq!(asked.count() + page_lines().count(), lines().count());
+    }
 
     /// Every line of the file has a value in the sheet, and every value a line.
     #[test]

@@ -8,8 +8,8 @@
 //!
 //! BW + FW = KR WW + R SW        (D. C. Stanwood, The New Touchweight Metrology, PTG Journal, June 1996)
 //!
-//! gives the strike-weight ratio R. It also follows from the geometry: speed of a mass at the strike weight's place,
-//! with the shank level, over the speed of the key front.
+//! gives the strike-weight ratio R. The lever ratio checks it: speed of a mass at the strike weight's place, with the
+//! shank level, over the speed of the key front, by the geometry. Without friction the two are one number at one place.
 
 use super::levers::Levers;
 use super::slow_loop::{SlowLoop, first_touch, slow_loop};
@@ -90,8 +90,8 @@ pub struct PartWeights {
     pub key_ratio: f64,
 }
 
-/// R by the geometry. It falls during the stroke, and the balance weight is the mean of a weight decided near rest and
-/// one decided near let-off: `where_weighed` is the mean of the ratios at these two places.
+/// Lever ratio by the geometry. It falls during the stroke, and the balance weight is the mean of a weight decided near
+/// rest and one decided near let-off: `where_weighed` is the mean of the ratios at these two places.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrikeRatio {
     /// Mean of the ratios where down-weight and up-weight are decided.
@@ -115,7 +115,7 @@ pub struct Weights {
     pub dampers_down: Option<KeyWeights>,
     /// Weights of the parts on the scale.
     pub parts: PartWeights,
-    /// Strike ratio by the geometry.
+    /// Lever ratio by the geometry.
     pub strike_ratio: StrikeRatio,
 }
 
@@ -237,7 +237,7 @@ pub fn on_the_key(action: &dyn AtRest, way_m: f64, progress: &mut Progress<'_>) 
 }
 
 /// Weighs the parts off the action, without bending, from masses, centres of mass and contacts at rest, and finds the
-/// strike-weight ratio by the geometry; `decided_m` are the key travels at which down-weight and up-weight were
+/// lever ratio by the geometry; `decided_m` are the key travels at which down-weight and up-weight were
 /// decided.
 ///
 /// # Errors

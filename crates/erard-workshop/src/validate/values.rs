@@ -21,13 +21,12 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Names of values without strings.
-const NAMES: [&str; 70] = [
+const NAMES: [&str; 69] = [
     "down_weight_g",
     "up_weight_g",
     "balance_weight_g",
     "friction_weight_g",
     "strike_weight_ratio_weights",
-    "strike_weight_ratio_kinematics",
     "whippen_weight_g",
     "dip_mm",
     "blow_mm",
@@ -149,7 +148,6 @@ pub(super) fn value(name: &str, found: &Simulated) -> Option<f64> {
         "balance_weight_g" => sheet.balance_weight_g,
         "friction_weight_g" => sheet.friction_weight_g,
         "strike_weight_ratio_weights" => sheet.strike_weight_ratio_weights,
-        "strike_weight_ratio_kinematics" => Some(sheet.strike_weight_ratio_kinematics),
         "whippen_weight_g" => Some(sheet.whippen_weight_g),
         "dip_mm" => sheet.dip_mm,
         "blow_mm" => sheet.blow_mm,
