@@ -1,4 +1,5 @@
-"""Lists the releases of kawai-kg-3c-releases-raw.csv: `python releases.py [FOLDER]` writes kawai-kg-3c-releases.csv here, or there. Needs NumPy.
+"""Lists the releases of kawai-kg-3c-releases-raw.csv: `python releases.py [FOLDER]` writes kawai-kg-3c-releases.csv and
+kawai-kg-3c-let-go.csv here, or there. Needs NumPy.
 
 Source, calibration and what is estimated: README.md beside this file.
 """
@@ -40,6 +41,8 @@ SPEED_MM = (9.0, 4.0)
 #: top is the middle of the time that it spends within the third of its largest. Humps that begin later than this after
 #: the key has landed, s, belong to the next press.
 HUMP_MM, TOP_MM, FLAT_MM, HUMPS_S = 0.2, 0.3, 0.1, 0.05
+#: The travel of a key that was let go is written from here to there, ms after it has landed.
+TRAVEL_MS = (-30.0, 70.0)
 
 
 def place_mm(raw: np.ndarray) -> np.ndarray:
@@ -78,10 +81,15 @@ def speed_m_per_s(time_s: np.ndarray, key_mm: np.ndarray) -> float:
     return (SPEED_MM[0] - SPEED_MM[1]) / 1e3 / (instants[1] - instants[0])
 
 
+def landed(key_mm: np.ndarray) -> int:
+    """The row in which the key is home for the first time after it has left where it was held."""
+    left = np.flatnonzero(key_mm >= BOTTOM_MM - LEFT_MM)[-1] + 1
+    return int(left + np.flatnonzero(key_mm[left:] < HOME_MM)[0])
+
+
 def humps(time_s: np.ndarray, key_mm: np.ndarray) -> list[tuple[float, float]]:
     """Time of the top, ms after the key has landed, and height, mm, of every hump; nothing where one does not end."""
-    left = np.flatnonzero(key_mm >= BOTTOM_MM - LEFT_MM)[-1] + 1
-    home = left + np.flatnonzero(key_mm[left:] < HOME_MM)[0]
+    home = landed(key_mm)
     down = home + np.flatnonzero(key_mm[home:] <= HUMP_MM)[0]
     found, row = [], down
     while row < len(key_mm) and time_s[row] - time_s[home] < HUMPS_S:
@@ -100,7 +108,7 @@ def humps(time_s: np.ndarray, key_mm: np.ndarray) -> list[tuple[float, float]]:
 def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else HERE
     raw = np.genfromtxt(HERE / "kawai-kg-3c-releases-raw.csv", delimiter=",", names=True)
-    lines, counts = [], {}
+    lines, counts, travels = [], {}, []
     for number in np.unique(raw["release"]):
         rows = raw[raw["release"] == number]
         key_mm = np.convolve(place_mm(rows["key"]), np.ones(MEAN) / MEAN, "valid")
@@ -118,8 +126,14 @@ def main() -> None:
             cells += [f"{speed_m_per_s(time_s, key_mm):.3f}", str(len(tops) or "")]
             cells += [f"{top_ms:.1f},{top_mm:.2f}" for top_ms, top_mm in tops[:2]] + [","] * (2 - len(tops[:2]))
             lines.append(",".join(cells) + "\n")
+            if kind == "let go":
+                time_ms = 1e3 * (time_s - time_s[landed(key_mm)])
+                shown = (time_ms > TRAVEL_MS[0] - 0.1) & (time_ms < TRAVEL_MS[1] + 0.1)
+                rows = zip(time_ms[shown], key_mm[shown], strict=True)
+                travels += [f"{int(number)},{role},{at_ms + 0.0:.1f},{at_mm:.2f}\n" for at_ms, at_mm in rows]
     header = "release,from_s,role,kind,home_ms,rebound_mm,speed_m_per_s,humps,first_ms,first_mm,second_ms,second_mm\n"
     (folder / "kawai-kg-3c-releases.csv").write_text(header + "".join(lines))
+    (folder / "kawai-kg-3c-let-go.csv").write_text("release,role,time_ms,key_mm\n" + "".join(travels))
 
 
 if __name__ == "__main__":

@@ -14,8 +14,9 @@ use erard::stroke::{HandStroke, Muscle};
 
 /// Step, s.
 const STEP_S: f64 = 50e-6;
-/// Force with which the key is held, N; time until which it is, and time in which a key let go loses it, s.
-const HELD_N: f64 = 5.0;
+/// Force with which the key is held in the rows of `validate`, N.
+pub const HELD_N: f64 = 5.0;
+/// Time until which it is held, and time in which a key let go loses the force, s.
 const HELD_S: f64 = 0.4;
 const GONE_S: f64 = 2e-3;
 /// A hand that leads up: rate of its force, N/s, and time in which the force vanishes, s.
@@ -80,8 +81,20 @@ pub(super) struct Releases {
 /// # Errors
 /// See [`MeasureError`].
 pub fn let_go(instrument: &Instrument, held_n: f64, progress: &mut Progress<'_>) -> Result<Release, MeasureError> {
+    Ok(let_go_course(instrument, held_n, progress)?.release())
+}
+
+/// Course of the release that [`let_go`] measures.
+///
+/// # Errors
+/// See [`MeasureError`].
+pub fn let_go_course(
+    instrument: &Instrument,
+    held_n: f64,
+    progress: &mut Progress<'_>,
+) -> Result<Course, MeasureError> {
     let force = |t: f64| Input::Force(held_n * (1.0 - (t - HELD_S) / GONE_S).clamp(0.0, 1.0));
-    Ok(Course::of(instrument, None, &force, progress)?.release())
+    Course::of(instrument, None, &force, progress)
 }
 
 pub(super) fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> Result<Releases, MeasureError> {
@@ -94,8 +107,9 @@ pub(super) fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> R
     })
 }
 
-/// Course of a release from [`HELD_S`] on, one row a step.
-struct Course {
+/// Course of a release from the end of the hold on, one row a step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Course {
     /// Travel of the key's back, at the front, m.
     key_m: Vec<f64>,
     /// Rise of the hammer, m.
@@ -141,13 +155,27 @@ impl Course {
         Ok(course)
     }
 
-    fn release(&self) -> Release {
+    /// Rows in which the key has left where it was held, and in which it is home.
+    fn left_and_home(&self) -> [Option<usize>; 2] {
+        let from = |row: usize, below_m: f64| Some(row + self.key_m.get(row..)?.iter().position(|y| *y < below_m)?);
+        let left = self.key_m.first().and_then(|held_m| from(0, held_m - LEFT_M));
+        [left, left.and_then(|left| from(left, HOME_M))]
+    }
+
+    /// Returns the travel of the key's back, as at the front, as pairs of time after its landing, s, and travel, m;
+    /// nothing if it does not land.
+    #[must_use]
+    pub fn travel(&self) -> Vec<[f64; 2]> {
+        let [_, Some(home)] = self.left_and_home() else { return Vec::new() };
+        let after_s = |row: usize| (row as f64 - home as f64) * STEP_S;
+        self.key_m.iter().enumerate().map(|(row, y)| [after_s(row), *y]).collect()
+    }
+
+    /// Measures the release.
+    #[must_use]
+    pub fn release(&self) -> Release {
         let key = &self.key_m;
-        let from =
-            |row: usize, holds: &dyn Fn(f64) -> bool| Some(row + key.get(row..)?.iter().position(|y| holds(*y))?);
-        let held_m = key.first().copied().unwrap_or(0.0);
-        let left = from(0, &|y| y < held_m - LEFT_M);
-        let home = left.and_then(|left| from(left, &|y| y < HOME_M));
+        let [left, home] = self.left_and_home();
         let rebound_m = home.map(|home| {
             let back = key[home..].iter().skip_while(|y| **y < HOME_M).take_while(|y| **y >= HOME_M);
             back.copied().fold(0.0, f64::max)

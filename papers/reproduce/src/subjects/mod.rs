@@ -20,6 +20,7 @@ mod events;
 mod felt_losses;
 mod friction;
 mod gives;
+mod humps;
 mod impact;
 mod landing;
 mod levers;

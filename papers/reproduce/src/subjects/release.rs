@@ -6,6 +6,7 @@ use moreau::Settings;
 
 use super::felt_losses::{ETA, SLIP, restitution};
 use super::gives::stiffen;
+use super::humps;
 use super::impact::tell;
 use super::landing;
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table, bending};
@@ -235,5 +236,6 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
     if let Some(free) = &free {
         landing::add(&grand, free, &mut section);
     }
+    humps::add(&grand, &mut section)?;
     Ok(section)
 }

@@ -19,6 +19,31 @@ fn claims_hold() {
     hold(&["paper2-felt", "paper3-levers", "released-key", "laid-weight"]);
 }
 
+/// The picture of a key let go has six recorded releases and the model's, from their landing on, and a band of the
+/// sensor's 0.2 mm around the recorded; in each of these the key comes back twice.
+#[test]
+fn recorded_and_modelled_keys_begin_with_their_landing() {
+    let section = section("released-key");
+    let chart = section.charts.last().unwrap();
+    let [whole, near] = &chart.panels[..] else { panic!("{} panels", chart.panels.len()) };
+    assert_eq!((whole.curves.len(), near.curves.len()), (7, 9));
+    for curve in &whole.curves {
+        let landing = curve.x.iter().position(|ms| ms.abs() < 1e-9).unwrap();
+        assert!(curve.y[landing] < 0.5 && curve.y[..landing].iter().all(|mm| *mm >= 0.5), "{}", curve.label);
+        assert!(curve.x[0] >= -30.0 - 1e-9 && curve.y[0] > 5.0, "{}: {}", curve.label, curve.y[0]);
+    }
+    let (recorded, [high, low]) = (&near.curves[..6], &near.curves[7..]) else { panic!("no band") };
+    for row in 0..high.y.len() {
+        let heights = recorded.iter().map(|curve| curve.y[row]);
+        let [least, most] = heights.fold([f64::INFINITY, 0.0], |[a, b], y| [a.min(y), b.max(y)]);
+        assert!((high.y[row] - most - 0.2).abs() < 1e-9 && (least - low.y[row] - 0.2).abs() < 1e-9, "row {row}");
+    }
+    let rows = &section.tables.last().unwrap().rows;
+    let [recorded @ .., model] = &rows[..] else { panic!("no rows") };
+    assert!(recorded.len() == 6 && recorded.iter().all(|row| row[1] == "2"), "{recorded:?}");
+    assert_eq!(model[0], "modelled");
+}
+
 /// What a lying key changes, and what it leaves open: it comes back once, not twice, and no hold explains the first
 /// millimetre of a recorded release.
 #[test]
