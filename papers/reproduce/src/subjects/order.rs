@@ -17,8 +17,8 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     let mut section = Section {
         text: vec![
             format!(
-                "Hammer speed and contact instant of a note, in which the key lands, fourteen felts open and close and nine friction \
-                 laws stick and slip, against a run with a {REFERENCE:.0} times smaller step than the smallest. An error depends on the \
+                "Hammer speed and contact instant of a note, in which the key lands, felts open and close and frictions stick and \
+                 slip, against a run with a {REFERENCE:.0} times smaller step than the smallest. An error depends on the \
                  phases at which the steps meet the contacts; shown is the root mean square over eight steps from h to h - 7/64 h."
             ),
             "Smooth motion (a double pendulum, orders 2 and 1) and single impacts and reversals stand in the textbook problems: \
