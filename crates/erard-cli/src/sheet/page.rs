@@ -31,7 +31,7 @@ const PARTS: [Value; 4] = [
     ("strike_weight_g", "hammer (strike weight)"),
     ("front_weight_g", "key front weight"),
     ("whippen_weight_g", "whippen weight"),
-    ("strike_weight_ratio_weights", "leverage (strike-weight ratio R)"),
+    ("strike_weight_ratio_weights", "leverage R"),
 ];
 const REGULATION: [Value; 11] = [
     ("dip_mm", "dip"),
@@ -91,7 +91,7 @@ fn sheet(one: &AdvisedInstrument<'_>) -> Markup {
             footer.soft {
                 "How D and U are taken: pedal down, the weight on the key's front. D is the least with which the key, let go from rest, sinks slowly to let-off, \
                  U the largest that it lifts again from just before let-off; its speed must not help it. Damper start is a share of the dip. \
-                 R is by the equation of balance: balance weight and front weight together, less the whippen weight times the key ratio, per gram of strike weight. "
+                 Leverage R, the strike-weight ratio: balance weight and front weight, less whippen weight times key ratio, over strike weight. "
                 "Measured in simulation of this file, as on the bench. Turns are estimates: " (pitch(CAPSTAN_THREAD_M, one.lengths))
                 " a turn for capstans, let-off and dampers (as a 10-24 machine screw, which Nossaman uses for dampers, Caut list 2007), "
                 (pitch(SMALL_THREAD_M, one.lengths)) " for the small screws; give a turn, read the line, and turn on or back until it reads what is said above, or well inside its range. Sources of the usual ranges, all values and the curves: measure.html, the appendix."
