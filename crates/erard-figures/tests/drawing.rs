@@ -4,6 +4,9 @@
 //! of the code that wrote it. The computed side is the engine's contact point in a run, or, where a zone is nearly
 //! closed, worked out here from the file's geometry.
 
+#[path = "../../erard/tests/common/lying.rs"]
+mod lying;
+
 use erard::instrument::{Body, Curve, Instrument, InstrumentFile, Vec2, Zone};
 use erard::keyboard::Keyboard;
 use erard::run::Run;
@@ -22,8 +25,9 @@ const CLOSE_MM: f64 = 0.2;
 const NEARLY_CLOSED_M: f64 = 0.5e-3;
 
 /// Which outline shows which side of which zone.
-const SHOWN: [(&str, &str, &str); 16] = [
+const SHOWN: [(&str, &str, &str); 17] = [
     ("key_front", "key", "front punching"),
+    ("balance_rail", "key", "balance rail, punching"),
     ("key_back_rail", "key", "back rail cloth"),
     ("capstan_heel", "capstan", "heel cushion"),
     ("jack_knuckle", "knuckle", "jack"),
@@ -288,6 +292,8 @@ fn what_touches_is_drawn_touching() {
         ("key 88", keyboard.key(88).unwrap()),
         ("moved", moved()),
         ("all screws turned", turned),
+        // Its key has an arm, which is a device and no piece of wood.
+        ("lying key", lying::lying_grand()),
     ];
     let mut worst: f64 = 0.0;
     // Bending as they ship, and as rigid parts.

@@ -158,6 +158,14 @@ impl Instrument {
         Ok(Instrument { fields: other })
     }
 
+    /// Returns the instrument with its key nailed to its place ([`Instrument::nailed`]): for a key whose position a
+    /// sensor gives. What is imposed on the front of a key that lies can lift its pivot, and a sensor's noise does.
+    #[must_use]
+    pub fn with_nailed_key(&self) -> Instrument {
+        let nailed = self.roles.key.map(|key| self.nailed(self.first_piece_of(key)).expect("the key is a body"));
+        nailed.unwrap_or_else(|| self.clone())
+    }
+
     /// Finds the zone on which the pivot of a body lies: side A is on this body within a centimetre of the pivot, and
     /// side B is a line on the body that carries the hinge, or the arm of its pin. `None`: the pivot lies on nothing.
     #[must_use]
@@ -183,6 +191,13 @@ impl Instrument {
     #[must_use]
     pub(crate) fn lift_m(&self, arm: usize, turned_rad: f64) -> f64 {
         self.bodies[arm].center_of_mass_m[0] * libm::sin(turned_rad)
+    }
+
+    /// Whether a body is the arm of a bushing: a device, whose mass is no number of the file.
+    #[must_use]
+    pub fn is_arm(&self, body: usize) -> bool {
+        let Body { is_bend, mass_kg, inertia_kg_m2, center_of_mass_m: [x, _], .. } = self.bodies[body];
+        is_bend && (inertia_kg_m2 / (mass_kg * x * x) - 1.0).abs() < 1e-12
     }
 
     /// Whether a body is the arm of a pin along which a pivot slides.

@@ -166,7 +166,7 @@ impl Parameter {
         let screws = instrument.screws.iter().enumerate();
         let mut all: Vec<Parameter> =
             screws.map(|(screw, one)| Parameter::Screw { screw, action: one.action.clone() }).collect();
-        for (i, body) in instrument.bodies.iter().enumerate() {
+        for (i, body) in instrument.bodies.iter().enumerate().filter(|(i, _)| !instrument.is_arm(*i)) {
             all.push(Parameter::Mass(i));
             // A bend's dry torque only lets it come to rest; no result depends on it.
             if body.friction_torque_n_m > 0.0 && !body.is_bend {
@@ -177,7 +177,7 @@ impl Parameter {
             if spring.torque_n_m != 0.0 {
                 all.push(Parameter::Torque(i));
             }
-            if spring.stiffness_n_m_per_rad > 0.0 {
+            if spring.stiffness_n_m_per_rad > 0.0 && !instrument.is_arm(spring.body) {
                 all.push(Parameter::SpringStiffness(i));
             }
         }

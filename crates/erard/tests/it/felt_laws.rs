@@ -1,9 +1,11 @@
 //! Felts with a dry loss, and felts with an internal state, in the whole action: the energy balance closes, rest is
 //! rest, solvers agree, states can be saved.
 
+use crate::common::lying::lying_grand_text;
 use crate::common::perturb::{Random, perturbed, play_on};
 use crate::common::{Play, USUAL_STEP_S, grand};
 use erard::instrument::{Dwell, Felt, Instrument};
+use erard::parameter::Parameter;
 use erard::player::{Action, Input};
 use erard::stroke::Touch;
 use moreau::{Elastoplastic, Hereditary, Loss, SetValued, Settings, Solver};
@@ -268,16 +270,26 @@ fn bushings() {
 
 /// The concert grand with its key lying on a punching of the balance rail, and with its key nailed to the pin.
 fn lying_and_nailed() -> [Instrument; 2] {
-    let text = Instrument::builtin_text("concert-grand").unwrap();
-    let zone = r#"[[zone]]
-name = "balance_rail"
-disc = { body = "key_back", center_mm = [0, 0] }
-line = { body = "ground", point_mm = [0, 0.11], normal = [0, 1] }
-felt = { stiffness_N_per_m_r = 2e8, exponent = 2, damping_N_s_per_m3 = 1e8 }
-"#;
-    let nailed = format!("{text}\n{zone}");
-    let lying = nailed.replacen("name = \"key_back\"\n", "name = \"key_back\"\npin_friction_N = 0.02\n", 1);
+    // A dry pin would bear a part of the weight.
+    let lying = lying_grand_text(0.02);
+    let nailed = lying.replacen("pin_friction_N = 0.02\n", "", 1);
     [lying, nailed].map(|text| Instrument::parse(&text, "a file").unwrap())
+}
+
+/// The arm of a pivot that lies is a device: what can be varied is what the nailed key has, and the punching's two.
+#[test]
+fn an_arm_is_no_part_whose_numbers_vary() {
+    let names = |instrument: &Instrument| -> Vec<String> {
+        Parameter::all(instrument)
+            .into_iter()
+            .map(|(name, _)| name)
+            .filter(|name| !name.contains("balance_rail"))
+            .collect()
+    };
+    let [lying, nailed] = lying_and_nailed();
+    assert_eq!(names(&lying), names(&nailed));
+    assert_eq!(Parameter::all(&lying).len(), names(&lying).len() + 2);
+    assert_eq!(lying.with_nailed_key(), grand());
 }
 
 /// A pivot that lies is a body more, and locked it is the instrument with a nailed key. At rest the punching bears what

@@ -74,20 +74,18 @@ impl Released {
     }
 }
 
-/// The same key, balanced: the mass of its piece behind the pin moved back.
+/// The same key, balanced: the mass of its front moved toward the pin, which its moment of inertia there allows.
 fn balanced(instrument: &Instrument) -> Option<Instrument> {
     let key = instrument.roles.key?;
-    let back = instrument.first_piece(key).ok()?;
     let moment = |i: &Instrument| -> f64 {
-        let pieces = i.bodies.iter().enumerate().filter(|(body, _)| i.is_same_part(*body, key) == Ok(true));
+        let is_piece = |body: usize| i.is_same_part(body, key) == Ok(true) && !i.is_arm(body);
+        let pieces = i.bodies.iter().enumerate().filter(|(body, _)| is_piece(*body));
         let placed = pieces.filter_map(|(body, own)| Some((own, i.on_first_piece(body).ok()?)));
         placed.map(|(own, place)| own.mass_kg * place.to_world(own.center_of_mass_m)[0]).sum()
     };
     let mut other = instrument.clone();
-    let mass_kg = other.bodies[back].mass_kg;
-    other
-        .edit(|fields| fields.bodies[back].center_of_mass_m[0] -= moment(instrument) / mass_kg)
-        .expect("numbers alone");
+    let mass_kg = other.bodies[key].mass_kg;
+    other.edit(|fields| fields.bodies[key].center_of_mass_m[0] -= moment(instrument) / mass_kg).expect("numbers alone");
     Some(other)
 }
 

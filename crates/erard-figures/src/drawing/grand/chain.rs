@@ -65,14 +65,14 @@ struct Bend {
     is_child_after: bool,
 }
 
-/// The hinges at which a component bends. A body on which nothing is (a device of the mechanics) is no piece of the
-/// wood.
+/// The hinges at which a component bends, between two of its bodies. A body on which nothing is (a device of the
+/// mechanics) is no piece of the wood.
 fn bends(instrument: &Instrument, bodies: &[usize], frame: &Placement, drawn: &[Placement]) -> Vec<Bend> {
     let x_of = |world: Vec2| 1e3 * frame.from_world(world)[0];
     bodies
         .iter()
         .filter_map(|&child| {
-            let parent = instrument.bodies[child].parent?;
+            let parent = instrument.bodies[child].parent.filter(|parent| bodies.contains(parent))?;
             let x = x_of(drawn[child].pivot_m);
             let on_child = points(instrument, child);
             let mean = on_child.iter().map(|p| x_of(drawn[child].to_world(*p))).sum::<f64>() / on_child.len() as f64;

@@ -75,7 +75,8 @@ pub(super) fn draw(instrument: &Instrument) -> Option<Drawing> {
     }
     let is_pin = |body: &usize| {
         let is_bend = |chain: &[usize], pin: usize| chain.contains(body) && *body != pin;
-        !is_bend(&parts.key, parts.key_pin) && !is_bend(&parts.hammer, parts.hammer[0]) && !parts.unseen.contains(body)
+        let is_device = instrument.is_arm(*body) || parts.unseen.contains(body);
+        !is_bend(&parts.key, parts.key_pin) && !is_bend(&parts.hammer, parts.hammer[0]) && !is_device
     };
     let pins = (0..instrument.bodies.len()).filter(is_pin).collect();
     Some(Drawing { pieces, pins, unseen: parts.unseen })

@@ -65,7 +65,9 @@ impl Parts {
             }
             body
         };
-        let all = |of: usize| (0..instrument.bodies.len()).filter(|&body| root(body) == root(of)).collect::<Vec<_>>();
+        // The arm of a bushing is a device and has no shape.
+        let is_piece = |body: &usize, of: usize| root(*body) == root(of) && !instrument.is_arm(*body);
+        let all = |of: usize| (0..instrument.bodies.len()).filter(|body| is_piece(body, of)).collect::<Vec<_>>();
         let (key, hammer) = (all(roles.key?), all(roles.hammer?));
         let button = roles.let_off?;
         let jack = zones[button].disc_body?;
