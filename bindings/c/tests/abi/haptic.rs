@@ -34,7 +34,7 @@ fn theory_is_on_the_safe_side() {
 
 /// An imposed position asks for mass times its second difference: a quantum of 1 um in 50 us are 400 m/s2, a hundred
 /// newtons on a quarter of a kilogram. Where the speed is not smoothed over more than a period the motor is asked for
-/// more than it has: at 1 kHz. (At 20 kHz the same loop asked for 38 of the motor's 40 N.)
+/// more than it has: at 1 kHz.
 #[test]
 fn rigid_coupling_is_none() {
     let device = Device { window_s: 1e-3, ..Device::usual(1e3, 4.0) };
