@@ -199,6 +199,7 @@ def test_the_table_of_the_book(tmp_path: Path) -> None:
     assert min(fast[name]["missed"] for name in judge.BASELINES) > 10
     assert fast["two-points"]["missed"] > 200
     assert all(fast["erard"][error] < fast[name][error] for name in judge.BASELINES for error in ("plain_rms_counts", "rms_counts"))
-    # Where the regulation decides whether a string is struck, Erard errs like the others. Below pp it is the worst.
+    # Where the regulation decides whether a string is struck, Erard errs like the others.
     assert fast["erard"]["false"] + fast["erard"]["doubled"] > 10
-    assert all(fast["erard"]["softer_rms_counts"] > fast[name]["softer_rms_counts"] for name in judge.BASELINES)
+    # Below pp it is worse than two points and the slope.
+    assert all(fast["erard"]["softer_rms_counts"] > fast[name]["softer_rms_counts"] for name in ("two-points", "slope"))
