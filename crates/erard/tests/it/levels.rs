@@ -234,7 +234,7 @@ mod nightly {
         let mut all = vec![
             (builtin("concert-grand"), [0, 0]),
             (builtin("steinway-o"), [0, 0]),
-            (builtin("heavy-touch"), [51, 74]),
+            (builtin("heavy-touch"), [47, 71]),
             (builtin("concert-grand-rigid"), [20, 28]),
         ];
         all.extend(
