@@ -166,7 +166,9 @@ mod nightly {
     #[test]
     #[ignore = "nightly: eight subjects of the report"]
     fn claims_of_the_slowest_subjects_hold() {
-        hold(&["paper1-fine-structure", "touch-scatter", "scheme-energy", "scheme-solvers", "train-felts", "strings"]);
+        hold(&["paper1-fine-structure", "touch-scatter", "scheme-energy", "scheme-solvers", "strings"]);
+        // A greater loss moves the order of events by more than 0.2 ms; the chapter says so.
+        assert_eq!(super::on_the_grand("train-felts"), [true, false]);
         hold(&["what-gives", "events"]);
     }
 
