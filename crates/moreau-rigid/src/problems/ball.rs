@@ -1,10 +1,9 @@
 //! Problem 12: a ball dropped from 0.9 m with restitution 0.9, which makes infinitely many impacts in finite time.
 
-use crate::{Body, Contact, Energies, Mode, Model, Surface};
-use moreau::GROUND;
+use crate::{Body, Energies, Mode, Model, Surface};
 
 use super::row::{Order, ProblemRow};
-use super::run::{Run, at};
+use super::run::{Run, at, point_on};
 
 const G: f64 = 9.81;
 const HEIGHT: f64 = 0.9;
@@ -21,17 +20,7 @@ struct Bounce {
 
 fn bounce(h: f64, height: f64) -> Bounce {
     let bodies = [Body { mass: 1.0, inertia: 1.0 }];
-    let contacts = [Contact {
-        disc_body: 0,
-        center: [0.0, 0.0],
-        radius: 0.0,
-        surface_body: GROUND,
-        surface: Surface::Line { point: [0.0, 0.0], normal: [0.0, 1.0] },
-        restitution: RESTITUTION,
-        kinetic: 0.0,
-        limit: 0.0,
-        belt: 0.0,
-    }];
+    let contacts = [point_on(Surface::Line { point: [0.0, 0.0], normal: [0.0, 1.0] }, RESTITUTION)];
     let model = Model::new(&bodies, &[], &[], &contacts, [0.0, -G]).expect("sound");
     let mut run = Run::<1, 2>::new(model, h, &[(at(0.0, height, 0.0), [0.0; 3])]);
     let normal = model.contact_laws(0)[0];

@@ -1,11 +1,11 @@
 //! Problem 19: surfaces of finite length. A block beside a pedestal falls, an overhanging block tips if its middle
 //! overhangs, and a bead leaves its plate.
 
-use crate::{Body, Contact, Model, PolygonContact, Surface};
+use crate::{Body, Model, PolygonContact, Surface};
 use moreau::GROUND;
 
 use super::row::ProblemRow;
-use super::run::{Run, at};
+use super::run::{Run, at, point_on};
 
 const G: f64 = 9.81;
 /// Half width and height of the block, m.
@@ -37,17 +37,7 @@ fn block(over: f64, h: f64, time: f64) -> [f64; 6] {
 /// A smooth bead slides along a plate that ends at x = 0, and falls: where it is after a time.
 fn bead(h: f64, time: f64) -> [f64; 2] {
     let bodies = [Body { mass: 1.0, inertia: 1.0 }];
-    let contacts = [Contact {
-        disc_body: 0,
-        center: [0.0, 0.0],
-        radius: 0.0,
-        surface_body: GROUND,
-        surface: Surface::Segment { from: [0.0, 0.0], to: [-1.0, 0.0], depth: 0.01 },
-        restitution: 0.0,
-        kinetic: 0.0,
-        limit: 0.0,
-        belt: 0.0,
-    }];
+    let contacts = [point_on(Surface::Segment { from: [0.0, 0.0], to: [-1.0, 0.0], depth: 0.01 }, 0.0)];
     let model = Model::new(&bodies, &[], &[], &contacts, [0.0, -G]).expect("sound");
     let mut run = Run::<1, 2>::new(model, h, &[(at(-0.5, 0.0, 0.0), [1.0, 0.0, 0.0])]);
     run.until(time);

@@ -1,6 +1,7 @@
 //! Simulation of a mechanism of rigid bodies.
 
-use crate::{Model, Placement, Settings, State, StepOutcome, StepReport, Twist, Workspace, step};
+use crate::{Contact, Model, Placement, Settings, State, StepOutcome, StepReport, Surface, Twist, Workspace, step};
+use moreau::GROUND;
 
 /// A mechanism with its state and its time.
 pub struct Run<'m, const B: usize, const N: usize> {
@@ -53,6 +54,21 @@ impl<'m, const B: usize, const N: usize> Run<'m, B, N> {
     /// Returns a result of this run, or NaN if a step failed.
     pub fn value(&self, x: f64) -> f64 {
         if self.sound { x } else { f64::NAN }
+    }
+}
+
+/// A smooth point at the centre of the first body, which meets a surface of the ground.
+pub(crate) fn point_on(surface: Surface<f64>, restitution: f64) -> Contact<f64> {
+    Contact {
+        disc_body: 0,
+        center: [0.0, 0.0],
+        radius: 0.0,
+        surface_body: GROUND,
+        surface,
+        restitution,
+        kinetic: 0.0,
+        limit: 0.0,
+        belt: 0.0,
     }
 }
 

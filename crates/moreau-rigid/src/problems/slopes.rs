@@ -5,11 +5,10 @@
 //! An impact acts at an instant of the step's grid. Two balls that strike in one step have one instant, and are as far
 //! apart afterwards as before: slope +1. The rows state how often, and what gives -1 instead.
 
-use crate::{Body, Contact, Model, Surface};
-use moreau::GROUND;
+use crate::{Body, Model, Surface};
 
 use super::row::ProblemRow;
-use super::run::{Run, at};
+use super::run::{Run, at, point_on};
 
 /// Speed of the ball, m/s, and time after which it is looked at, s.
 const SPEED: f64 = 5.0;
@@ -23,17 +22,7 @@ const APART: f64 = 0.25e-3;
 /// Where the ball is in the end, m from the wall: as the steps have it, and with the instant of the impact put right.
 fn flight(h: f64, first: f64) -> [f64; 2] {
     let bodies = [Body { mass: 1.0, inertia: 1.0 }];
-    let contacts = [Contact {
-        disc_body: 0,
-        center: [0.0, 0.0],
-        radius: 0.0,
-        surface_body: GROUND,
-        surface: Surface::Line { point: [0.0, 0.0], normal: [0.0, 1.0] },
-        restitution: 1.0,
-        kinetic: 0.0,
-        limit: 0.0,
-        belt: 0.0,
-    }];
+    let contacts = [point_on(Surface::Line { point: [0.0, 0.0], normal: [0.0, 1.0] }, 1.0)];
     let model = Model::new(&bodies, &[], &[], &contacts, [0.0, 0.0]).expect("sound");
     let mut run = Run::<1, 2>::new(model, h, &[(at(0.0, first, 0.0), [0.0, -SPEED, 0.0])]);
     let mut missing = f64::NAN;
