@@ -322,6 +322,14 @@ typedef struct ErardInput {
    * Damping of the muscle, N s/m, 0 to 1e5.
    */
   double muscle_n_s_per_m;
+  /**
+   * Compliance of the joints of the hand's finger, m/N, 0 to 0.1; 0 for stiff ones.
+   */
+  double joints_m_per_n;
+  /**
+   * Damping of the joints over their stiffness, s, 0 to 1.
+   */
+  double joints_s;
 } ErardInput;
 
 /**

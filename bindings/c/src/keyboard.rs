@@ -475,6 +475,8 @@ impl ErardKeyboard {
                 out.number("input_hand_mass_kg", input.hand_mass_kg);
                 out.number("input_muscle_N_per_m", input.muscle_n_per_m);
                 out.number("input_muscle_N_s_per_m", input.muscle_n_s_per_m);
+                out.number("input_joints_m_per_N", input.joints_m_per_n);
+                out.number("input_joints_s", input.joints_s);
                 out.number("impact_time_s", *time_s);
                 out.number("hammer_speed_m_per_s", *speed_m_per_s);
                 out.number("impact_count", f64::from(*impact_count));
@@ -526,6 +528,8 @@ pub(crate) fn restore(keyboard: &mut ErardKeyboard, lists: &Lists<'_>) -> ErardS
                 hand_mass_kg: number("input_hand_mass_kg"),
                 muscle_n_per_m: number("input_muscle_N_per_m"),
                 muscle_n_s_per_m: number("input_muscle_N_s_per_m"),
+                joints_m_per_n: number("input_joints_m_per_N"),
+                joints_s: number("input_joints_s"),
                 ..ErardInput::default()
             };
             let Ok(checked) = input.checked() else { return ErardStatus::Saved };

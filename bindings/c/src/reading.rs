@@ -1,7 +1,7 @@
 //! Inputs and readings: plain numbers, SI units; key and finger positive downward, the hammer upward.
 
 use erard::Input;
-use erard::player::{Hand, HandInput};
+use erard::player::{Hand, HandInput, Joints};
 
 use crate::caller_struct::CallerStruct;
 use crate::status::ErardStatus;
@@ -57,6 +57,10 @@ pub struct ErardInput {
     pub muscle_n_per_m: f64,
     /// Damping of the muscle, N s/m, 0 to 1e5.
     pub muscle_n_s_per_m: f64,
+    /// Compliance of the joints of the hand's finger, m/N, 0 to 0.1; 0 for stiff ones.
+    pub joints_m_per_n: f64,
+    /// Damping of the joints over their stiffness, s, 0 to 1.
+    pub joints_s: f64,
 }
 
 impl Default for ErardInput {
@@ -71,12 +75,14 @@ impl Default for ErardInput {
             hand_mass_kg: 0.0,
             muscle_n_per_m: 0.0,
             muscle_n_s_per_m: 0.0,
+            joints_m_per_n: 0.0,
+            joints_s: 0.0,
         }
     }
 }
 
-// SAFETY: a `repr(C)` struct of two u32 and six f64: no padding, and every bit pattern is a value. `struct_size` is its
-// first field.
+// SAFETY: a `repr(C)` struct of two u32 and eight f64: no padding, and every bit pattern is a value. `struct_size` is
+// its first field.
 unsafe impl CallerStruct for ErardInput {
     const FIRST_BYTES: usize = 56;
 }
@@ -102,9 +108,12 @@ impl ErardInput {
                     mass_kg: self.hand_mass_kg,
                     stiffness_n_per_m: self.muscle_n_per_m,
                     damping_n_s_per_m: self.muscle_n_s_per_m,
+                    joints: Joints { compliance_m_per_n: self.joints_m_per_n, retardation_s: self.joints_s },
                     ..Hand::default()
                 };
-                let numbers = [hand.mass_kg, hand.stiffness_n_per_m, hand.damping_n_s_per_m];
+                let Joints { compliance_m_per_n, retardation_s } = hand.joints;
+                let numbers =
+                    [hand.mass_kg, hand.stiffness_n_per_m, hand.damping_n_s_per_m, compliance_m_per_n, retardation_s];
                 if !numbers.iter().all(|number| number.is_finite()) {
                     return Err(ErardStatus::NotFinite);
                 }
@@ -116,6 +125,7 @@ impl ErardInput {
                     damping_n_s_per_m: hand.damping_n_s_per_m,
                     position_m: within(position_m, ERARD_MAX_POSITION_M)?,
                     velocity_m_per_s: within(velocity_m_per_s, ERARD_MAX_SPEED_M_PER_S)?,
+                    joints: hand.joints,
                 }))
             }
             _ => Err(ErardStatus::Argument),

@@ -61,7 +61,7 @@ pub unsafe extern "C" fn erard_stroke_builtin(
             let known = level::LEVELS.map(|(name, _)| name).join(", ");
             Fault::new(ErardStatus::NoSuch, format!("there is no built-in stroke `{nuance}`; expected one of {known}"))
         })?;
-        let kind = level::HandKind { touch, mass_kg: level::MASS_KG };
+        let kind = level::HandKind::new(touch, level::MASS_KG);
         let found = level::Reference::new(instrument.instrument(), &mut |_| true)
             .and_then(|mut reference| reference.solve(kind, speed_m_per_s, &mut |_| true))
             .map_err(|error| Fault::new(ErardStatus::Argument, error.to_string()))?;

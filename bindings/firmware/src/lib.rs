@@ -72,7 +72,16 @@ impl<T: Scalar> Grand<T> {
     /// it was.
     pub fn step_hand(&mut self, mass_kg: T, force_n: T) -> StepReport {
         let z = T::ZERO;
-        let hand = SiteHand { mass: mass_kg, force: force_n, stiffness: z, damping: z, position: z, velocity: z };
+        let hand = SiteHand {
+            mass: mass_kg,
+            force: force_n,
+            stiffness: z,
+            damping: z,
+            position: z,
+            velocity: z,
+            compliance: z,
+            retardation: z,
+        };
         step(&self.model, &self.settings, &SiteInput::Hand(hand), &mut self.state, &mut self.workspace)
     }
 

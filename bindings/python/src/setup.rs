@@ -1,7 +1,7 @@
 //! How to step, from keyword arguments.
 
 use erard::instrument::Instrument;
-use erard::player::Hand;
+use erard::player::{Hand, Joints};
 use erard::run::Setup;
 use erard::stroke::Stroke;
 use moreau::{FrictionLaw, Settings, Solver};
@@ -22,9 +22,18 @@ pub(crate) struct Steps {
     friction: String,
     #[pyo3(item)]
     friction_width: f64,
-    /// Hand: mass, kg; stiffness, N/m, and damping, N s/m, of its muscle; position, m, and velocity, m/s, at the start.
+    /// Hand: mass, kg; stiffness, N/m, and damping, N s/m, of its muscle; position, m, and velocity, m/s, at the start;
+    /// compliance, m/N, and retardation time, s, of its joints (by default stiff).
     #[pyo3(item)]
-    hand: Option<(f64, f64, f64, f64, f64)>,
+    hand: Option<(f64, f64, f64, f64, f64, Option<f64>, Option<f64>)>,
+}
+
+/// Returns joints whose compliance, m/N, and retardation time, s, are `own` where they are not given.
+pub(crate) fn joints_over(own: Joints, compliance_m_per_n: Option<f64>, retardation_s: Option<f64>) -> Joints {
+    Joints {
+        compliance_m_per_n: compliance_m_per_n.unwrap_or(own.compliance_m_per_n),
+        retardation_s: retardation_s.unwrap_or(own.retardation_s),
+    }
 }
 
 impl Steps {
@@ -58,10 +67,12 @@ impl Steps {
 
     /// Returns the hand between stroke and key.
     pub(crate) fn hand(&self) -> PyResult<Option<Hand>> {
-        let Some((mass_kg, stiffness_n_per_m, damping_n_s_per_m, start_m, start_m_per_s)) = self.hand else {
+        let Some((mass_kg, stiffness_n_per_m, damping_n_s_per_m, start_m, start_m_per_s, compliance, time)) = self.hand
+        else {
             return Ok(None);
         };
-        let hand = Hand { mass_kg, stiffness_n_per_m, damping_n_s_per_m, start_m, start_m_per_s };
+        let joints = joints_over(Joints::STIFF, compliance, time);
+        let hand = Hand { mass_kg, stiffness_n_per_m, damping_n_s_per_m, start_m, start_m_per_s, joints };
         hand.check().map_err(|error| wrong_argument("hand", error.to_string()))?;
         Ok(Some(hand))
     }

@@ -13,6 +13,7 @@ use pyo3::prelude::*;
 use crate::fault::{wrong, wrong_argument};
 use crate::instrument::Instrument;
 use crate::recording::Recording;
+use crate::setup::joints_over;
 use crate::watch::watched;
 
 /// Stroke that can drive a key.
@@ -90,8 +91,10 @@ impl Stroke {
     }
 
     /// Makes the built-in touch that reaches this total hammer speed at the string of an instrument, m/s, played by a
-    /// hand of `mass_kg`.
+    /// hand of `mass_kg`. The joints of its finger have this compliance, m/N, and this retardation time, s, or those of
+    /// the touch.
     #[staticmethod]
+    #[allow(clippy::too_many_arguments)]
     fn level(
         py: Python<'_>,
         instrument: &Instrument,
@@ -99,8 +102,11 @@ impl Stroke {
         speed_m_per_s: Option<f64>,
         touch: &str,
         mass_kg: f64,
+        joints_m_per_n: Option<f64>,
+        joints_s: Option<f64>,
     ) -> PyResult<Self> {
-        let kind = HandKind { touch: touched(touch)?, mass_kg };
+        let own = HandKind::new(touched(touch)?, mass_kg);
+        let kind = HandKind { joints: joints_over(own.joints, joints_m_per_n, joints_s), ..own };
         let speed_m_per_s = speed_m_per_s.or_else(|| named(name)).ok_or_else(|| {
             wrong_argument("stroke", format!("found `{name}`, expected pp, p, mf, f, ff or a recording"))
         })?;

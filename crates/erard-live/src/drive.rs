@@ -131,10 +131,11 @@ fn follow<T: Scalar>([position, velocity]: [T; 2], [hand_m, hand_m_per_s]: [T; 2
     let (stiffness, damping, z) = (T::from_f64(STIFF_N_PER_M), T::from_f64(DAMPED_N_S_PER_M), T::ZERO);
     let muscle_n = stiffness * (position - hand_m) + damping * (velocity - hand_m_per_s);
     let (mass, ceiling_n) = (T::from_f64(HAND_KG), T::from_f64(CEILING_N));
+    let follows = SiteHand { mass, force: z, stiffness, damping, position, velocity, compliance: z, retardation: z };
     Push::Hand(if muscle_n.abs() > ceiling_n {
         let force = if muscle_n > z { ceiling_n } else { -ceiling_n };
-        SiteHand { mass, force, stiffness: z, damping: z, position: z, velocity: z }
+        SiteHand { force, stiffness: z, damping: z, position: z, velocity: z, ..follows }
     } else {
-        SiteHand { mass, force: z, stiffness, damping, position, velocity }
+        follows
     })
 }

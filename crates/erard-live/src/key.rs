@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use erard::instrument::Instrument;
-use erard::player::{ActionError, HandInput};
+use erard::player::{ActionError, HandInput, Joints};
 use erard::{Action, Input, Settings, StepOutcome};
 use erard_midi::Event;
 use moreau::SiteHand;
@@ -76,14 +76,17 @@ fn input(push: &Push<f64>) -> Input {
         Push::Free => Input::Free,
         Push::Force(force_n) => Input::Force(force_n),
         Push::Rigid { position_m, velocity_m_per_s } => Input::Rigid { position_m, velocity_m_per_s },
-        Push::Hand(SiteHand { mass, force, stiffness, damping, position, velocity }) => Input::Hand(HandInput {
-            mass_kg: mass,
-            force_n: force,
-            stiffness_n_per_m: stiffness,
-            damping_n_s_per_m: damping,
-            position_m: position,
-            velocity_m_per_s: velocity,
-        }),
+        Push::Hand(SiteHand { mass, force, stiffness, damping, position, velocity, compliance, retardation }) => {
+            Input::Hand(HandInput {
+                mass_kg: mass,
+                force_n: force,
+                stiffness_n_per_m: stiffness,
+                damping_n_s_per_m: damping,
+                position_m: position,
+                velocity_m_per_s: velocity,
+                joints: Joints { compliance_m_per_n: compliance, retardation_s: retardation },
+            })
+        }
     }
 }
 

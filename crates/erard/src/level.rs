@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use crate::instrument::Instrument;
 use crate::mechanism::Impact;
-use crate::player::{Action, ActionError, AtRest, HandError, RestPose, Snapshot, SnapshotError};
+use crate::player::{Action, ActionError, AtRest, Hand, HandError, Joints, RestPose, Snapshot, SnapshotError};
 use crate::progress::{ASK_EVERY, Progress};
 use crate::stroke::{HandStroke, Touch};
 
@@ -163,16 +163,25 @@ pub struct HandKind {
     pub touch: Touch,
     /// The hand's mass, kg.
     pub mass_kg: f64,
+    /// Joints of its finger.
+    pub joints: Joints,
 }
 
 impl HandKind {
+    /// A touch by a hand of this mass, kg, with the joints of the built-in touch.
+    #[must_use]
+    pub fn new(touch: Touch, mass_kg: f64) -> Self {
+        HandKind { touch, mass_kg, joints: touch.joints() }
+    }
+
     /// The stroke with this number: the muscle's force, N, or the speed of arrival, m/s.
     #[must_use]
     pub(crate) fn stroke(&self, louder: f64) -> HandStroke {
-        match self.touch {
+        let stroke = match self.touch {
             Touch::Pressed => HandStroke::pressed(self.mass_kg, louder),
             Touch::Struck => HandStroke::struck(self.mass_kg, louder),
-        }
+        };
+        HandStroke { hand: Hand { joints: self.joints, ..stroke.hand }, ..stroke }
     }
 
     /// The numbers between which a hand plays.
@@ -291,21 +300,21 @@ impl Reference {
         }
     }
 
-    /// The struck hand that arrives with a speed, m/s, without a search for the hammer speed. A silent one begins to
-    /// hold the key after the longest time of a trial.
+    /// The struck hand with the mass and the joints of `kind` that arrives with a speed, m/s, without a search for the
+    /// hammer speed. A silent one begins to hold the key after the longest time of a trial.
     ///
     /// # Errors
     /// See [`LevelError`]: [`LevelError::Arrival`], and none of a level.
     pub fn strike(
         &mut self,
-        mass_kg: f64,
+        kind: HandKind,
         speed_m_per_s: f64,
         progress: &mut Progress<'_>,
     ) -> Result<Solved, LevelError> {
         if !(ARRIVALS_M_PER_S[0]..=ARRIVALS_M_PER_S[1]).contains(&speed_m_per_s) {
             return Err(LevelError::Arrival { found: speed_m_per_s });
         }
-        let stroke = HandStroke::struck(mass_kg, speed_m_per_s);
+        let stroke = HandKind { touch: Touch::Struck, ..kind }.stroke(speed_m_per_s);
         let impact = self.impact(&stroke, progress)?.unwrap_or(Impact {
             time_s: PATIENCE_S,
             hammer_speed_m_per_s: 0.0,
@@ -443,7 +452,7 @@ impl Search<'_, '_> {
     }
 
     fn names(&self) -> (String, &'static str, f64) {
-        let HandKind { touch, mass_kg } = self.kind;
+        let HandKind { touch, mass_kg, .. } = self.kind;
         (self.reference.instrument.clone(), touch.name(), digits(mass_kg * 1e3))
     }
 

@@ -253,8 +253,9 @@ fn hand_force<T: Real, const B: usize, const Z: usize>(
     drive: &mut Drive<T, B>,
 ) -> Option<(T, T)> {
     let flight = by.flight(*hand, timing);
-    let share = flight.share(site.stiffness, site.damping, timing);
-    let fingertip = [share * site.stiffness, share * site.damping];
+    let [stiffness, damping] = by.finger(site.stiffness, site.damping);
+    let share = flight.share(stiffness, damping, timing);
+    let fingertip = [share * stiffness, share * damping];
     elastic_force(model, site, flight.free, fingertip, timing, kinematics, drive)
 }
 

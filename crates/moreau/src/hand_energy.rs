@@ -16,10 +16,10 @@ pub struct HandEnergy {
     pub muscle_work: f64,
     /// Present kinetic energy of the hand minus that at the start.
     pub kinetic_gain: f64,
-    /// Energy stored in the fingertip's spring now; zero unless it pushes.
+    /// Energy stored in the springs of fingertip and joints now; zero unless the finger pushes.
     pub fingertip_stored: f64,
-    /// Energy lost in the fingertip's damper, less the energy that its law creates when it begins to push before it
-    /// touches.
+    /// Energy lost in the dampers of fingertip and joints, less the energy that their law creates when they begin to
+    /// push before they touch.
     pub fingertip_loss: f64,
     /// Work of the fingertip on the mechanism in the steps driven by a hand.
     pub work: f64,
@@ -49,7 +49,8 @@ impl HandEnergy {
         let (h, mean) = (settings.step.to_f64(), |u| settings.at_theta(u));
         let place = [hand_before[0].to_f64(), after.hand[0].to_f64()];
         let speed = [hand_before[1].to_f64(), after.hand[1].to_f64()];
-        let [mass, muscle, stiffness, damping, toward, toward_speed] = hand.numbers().map(T::to_f64);
+        let [finger_stiffness, finger_damping] = hand.finger(site.stiffness, site.damping).map(T::to_f64);
+        let [mass, muscle, stiffness, damping, toward, toward_speed, ..] = hand.numbers().map(T::to_f64);
         let muscle = muscle + stiffness * (toward - mean(place)) + damping * (toward_speed - mean(speed));
         self.muscle_work += muscle * mean(speed) * h;
         self.kinetic_gain += 0.5 * mass * (speed[1] * speed[1] - speed[0] * speed[0]);
@@ -59,12 +60,12 @@ impl HandEnergy {
         self.work += force * driven * h;
         let rate = mean(speed) - driven;
         let pressed = place[1] - model.site_position(&after.angle).to_f64();
-        let held = |pressed: f64| 0.5 * site.stiffness.to_f64() * pressed * pressed;
+        let held = |pressed: f64| 0.5 * finger_stiffness * pressed * pressed;
         if force > 0.0 {
             // The damper pushes from d v / k before the touch on, with the spring stretched: what that holds comes from
             // nowhere.
             let onset = if self.fingertip_stored > 0.0 { 0.0 } else { held(pressed - h * rate) };
-            self.fingertip_loss += site.damping.to_f64() * rate * rate * h - onset;
+            self.fingertip_loss += finger_damping * rate * rate * h - onset;
             self.fingertip_stored = held(pressed);
         } else {
             // What no longer pushes relaxes by itself.

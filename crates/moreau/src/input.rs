@@ -28,20 +28,20 @@ pub enum SiteInput<T> {
         /// Velocity, m/s.
         velocity: T,
     },
-    /// A hand: a mass moved by muscle. Its position and velocity are part of the state. The site's spring and damper
-    /// act as its fingertip and give the force.
+    /// A hand: a mass moved by muscle. Its position and velocity are part of the state. The site's spring and damper,
+    /// with the joints of its finger in series, give the force.
     Hand(SiteHand<T>),
 }
 
 impl<T: Real> SiteInput<T> {
     /// Its kind, and its numbers in a fixed order; places that it does not use are zero.
-    fn taken_apart(&self) -> (u8, [T; 6]) {
+    fn taken_apart(&self) -> (u8, [T; 8]) {
         let z = T::ZERO;
         match *self {
-            SiteInput::Free => (0, [z; 6]),
-            SiteInput::Force(force) => (1, [force, z, z, z, z, z]),
-            SiteInput::Motion { position, velocity } => (2, [position, velocity, z, z, z, z]),
-            SiteInput::Rigid { velocity } => (3, [velocity, z, z, z, z, z]),
+            SiteInput::Free => (0, [z; 8]),
+            SiteInput::Force(force) => (1, [force, z, z, z, z, z, z, z]),
+            SiteInput::Motion { position, velocity } => (2, [position, velocity, z, z, z, z, z, z]),
+            SiteInput::Rigid { velocity } => (3, [velocity, z, z, z, z, z, z, z]),
             SiteInput::Hand(hand) => (4, hand.numbers()),
         }
     }

@@ -128,8 +128,10 @@ impl Component {
 
     /// Returns the present input of each key.
     fn inputs(&self) -> Result<Vec<ErardInput>, String> {
-        let [hand_mass_kg, muscle_n_per_m, muscle_n_s_per_m] =
-            [Role::HandMass, Role::MuscleStiffness, Role::MuscleDamping].map(|role| self.value(role));
+        let of_hand =
+            [Role::HandMass, Role::MuscleStiffness, Role::MuscleDamping, Role::JointsCompliance, Role::JointsTime];
+        let [hand_mass_kg, muscle_n_per_m, muscle_n_s_per_m, joints_m_per_n, joints_s] =
+            of_hand.map(|role| self.value(role));
         let input = |[force, position, velocity, drive]: &[usize; 4]| {
             let kind = match self.values[*drive] {
                 0.0 => ERARD_INPUT_FREE,
@@ -150,6 +152,8 @@ impl Component {
                 hand_mass_kg,
                 muscle_n_per_m,
                 muscle_n_s_per_m,
+                joints_m_per_n,
+                joints_s,
                 ..ErardInput::default()
             })
         };

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::ptr::{null, null_mut};
 
 use erard::keyboard::{Keyboard, Keys};
-use erard::player::HandInput;
+use erard::player::{HandInput, Joints};
 use erard::{Input, Settings};
 use erard_workshop::fmu::Unit;
 // The functions below are its.
@@ -134,7 +134,8 @@ const PERIOD: u64 = 24;
 const PRESSED: [usize; 4] = [28, 40, 47, 79];
 const FINGER_M_PER_S: f64 = 0.125;
 const KEY_M_PER_S: f64 = 0.109375;
-const HAND: [(&str, f64); 2] = [("hand_mass", 0.3), ("muscle_damping", 2.0)];
+const HAND: [(&str, f64); 4] =
+    [("hand_mass", 0.3), ("muscle_damping", 2.0), ("joints_compliance", 0.3e-3), ("joints_time", 4e-3)];
 
 /// How the native keys are driven in a step: by a force, a hand, a finger that moves and an imposed motion, as
 /// [`drive_unit`] says it to the unit.
@@ -144,7 +145,8 @@ fn drive_native(keys: &mut Keys, step: u64) {
     let begun = (step - step % PERIOD) as f64 * STEP_S;
     let along = |speed: f64, share: f64| begun * speed + speed * (at(share) - begun);
     keys.drive(28, Input::Force(6.0)).unwrap();
-    let hand = HandInput { mass_kg: 0.3, force_n: 8.0, damping_n_s_per_m: 2.0, ..HandInput::default() };
+    let joints = Joints { compliance_m_per_n: 0.3e-3, retardation_s: 4e-3 };
+    let hand = HandInput { mass_kg: 0.3, force_n: 8.0, damping_n_s_per_m: 2.0, joints, ..HandInput::default() };
     keys.drive(40, Input::Hand(hand)).unwrap();
     let position_m = along(FINGER_M_PER_S, 0.5);
     keys.drive(47, Input::Motion { position_m, velocity_m_per_s: FINGER_M_PER_S }).unwrap();

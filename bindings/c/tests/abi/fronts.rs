@@ -13,10 +13,14 @@ const FRONTS: [&str; 6] = ["Rust", "Python", "C", "C++", "FMU", "studio"];
 const NO: &str = "";
 
 /// What is offered, and by which name in each front.
-const TABLE: [(&str, [&str; 6]); 10] = [
+const TABLE: [(&str, [&str; 6]); 11] = [
     (
         "a hand: mass and muscle",
         ["Input::Hand", "Hand", "ERARD_INPUT_HAND", "place_hand", "hand_mass", "erard_stroke_new"],
+    ),
+    (
+        "joints of its finger",
+        ["Joints", "joints_m_per_n", "joints_m_per_n", "ErardInput", "joints_compliance", "erard_stroke_builtin"],
     ),
     (
         "the key front's own motion",

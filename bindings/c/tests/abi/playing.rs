@@ -35,7 +35,7 @@ impl Drop for Owned {
 }
 
 fn pressed(instrument: &Instrument, nuance: &str, touch: Touch) -> Run {
-    let kind = HandKind { touch, mass_kg: MASS_KG };
+    let kind = HandKind::new(touch, MASS_KG);
     let mut reference = Reference::new(instrument, &mut |_| true).unwrap();
     let found = reference.solve(kind, named(nuance).unwrap(), &mut |_| true).unwrap();
     let setup = Setup { record_every: Some(1), ..Setup::new(DURATION_S) };
@@ -411,11 +411,14 @@ fn columns_are_found() {
 #[test]
 fn a_hand_plays_as_in_rust() {
     let mut action = erard::Action::new(&erard::Instrument::builtin("concert-grand").unwrap()).unwrap();
-    let hand = erard::player::Hand { mass_kg: 0.15, ..erard::player::Hand::default() };
+    let joints = erard::player::Joints { compliance_m_per_n: 0.3e-3, retardation_s: 4e-3 };
+    let hand = erard::player::Hand { mass_kg: 0.15, joints, ..erard::player::Hand::default() };
     let pressed = |force_n: f64| ErardInput {
         kind: ERARD_INPUT_HAND,
         force_n,
         hand_mass_kg: hand.mass_kg,
+        joints_m_per_n: joints.compliance_m_per_n,
+        joints_s: joints.retardation_s,
         ..ErardInput::default()
     };
     let own = Action::grand();
@@ -438,6 +441,8 @@ fn a_hand_plays_as_in_rust() {
         pressed(f64::NAN),
         ErardInput { hand_mass_kg: 0.0, ..pressed(1.0) },
         ErardInput { muscle_n_per_m: -1.0, ..pressed(1.0) },
+        ErardInput { joints_m_per_n: 1.0, ..pressed(1.0) },
+        ErardInput { joints_s: f64::NAN, ..pressed(1.0) },
     ] {
         assert!((unsafe { erard_action_step_input(own.0, &wrong, &mut reading) } as i32) < 0, "{wrong:?}");
     }

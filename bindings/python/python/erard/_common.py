@@ -47,6 +47,9 @@ class Hand(NamedTuple):
         Stiffness and damping with which the muscle follows a motion, N/m and N s/m. They have no effect under a force.
     start_m, start_m_per_s : float
         Position and velocity of the hand at the start, m below the key front's rest and m/s, down positive.
+    joints_m_per_n, joints_s : float, optional
+        Compliance of the finger's joints, m/N, 0 to 0.1, in series with the fingertip, and their damping over their
+        stiffness, s, 0 to 1. By default they are stiff, and those of the touch in a struck built-in touch.
     """
 
     mass_kg: float = 0.2
@@ -54,6 +57,8 @@ class Hand(NamedTuple):
     damping_n_s_per_m: float = 14.0
     start_m: float = 0.0
     start_m_per_s: float = 0.0
+    joints_m_per_n: float | None = None
+    joints_s: float | None = None
 
 
 class Stepping(TypedDict, total=False):
@@ -98,7 +103,7 @@ def steps(given: Mapping[str, Any]) -> Steps:
         if key == "hand":
             if not (value is None or isinstance(value, Hand)):
                 raise InputError(f"hand: found {value!r}, expected an erard.Hand", key="hand", found=repr(value))
-            own[key] = None if value is None else Hand(*(number(f"hand.{name}", x) for name, x in value._asdict().items()))
+            own[key] = None if value is None else Hand(**{name: x if x is None else number(f"hand.{name}", x) for name, x in value._asdict().items()})
             continue
         if key == "step" and value is None:
             continue

@@ -71,7 +71,15 @@ class Stroke:
     @staticmethod
     def samples(kind: str, values: Floats, dt: float) -> Stroke: ...
     @staticmethod
-    def level(instrument: Instrument, name: str, speed_m_per_s: float | None, touch: str, mass_kg: float) -> Stroke: ...
+    def level(
+        instrument: Instrument,
+        name: str,
+        speed_m_per_s: float | None,
+        touch: str,
+        mass_kg: float,
+        joints_m_per_n: float | None,
+        joints_s: float | None,
+    ) -> Stroke: ...
     @staticmethod
     def curve(nuance: str, touch: str, drive: str | None) -> Stroke: ...
     @staticmethod

@@ -616,7 +616,7 @@ def stroke_of(
                 raise InputError(told, key="hand", found=repr(hand))
             speed = None if hammer_speed is None else number("hammer_speed", hammer_speed)
             name = f"{speed:g} m/s" if speed is not None else stroke or "mf"
-            return _erard.Stroke.level(on._inner, name, speed, touch, hand.mass_kg)
+            return _erard.Stroke.level(on._inner, name, speed, touch, hand.mass_kg, hand.joints_m_per_n, hand.joints_s)
         _only_of("touch", touch, "pressed", "a built-in stroke")
         if isinstance(stroke, str) and not os.path.exists(stroke) and not os.path.splitext(stroke)[1] and os.path.basename(stroke) == stroke:
             told = f"stroke: found {stroke!r}, expected {', '.join(NUANCES)} or a recording; there is no such file either"

@@ -26,7 +26,7 @@ class Steps(TypedDict):
     solver: str
     friction: str
     friction_width: float
-    hand: tuple[float, float, float, float, float] | None
+    hand: tuple[float, float, float, float, float, float | None, float | None] | None
 
 
 class Fitted(TypedDict):

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use clap::Args;
 use erard::level::{DURATION_S, HandKind, LEVELS, LevelError, MASS_KG, Reference, named};
-use erard::parameter::Quantity;
-use erard::player::Hand;
+use erard::parameter::{Bare, Quantity};
+use erard::player::{Hand, Joints};
 use erard::stroke::{Muscle, Stroke, Touch};
 use erard::{Instrument, SimulationError};
 
@@ -41,6 +41,53 @@ pub(crate) struct HandOptions {
     /// --force-step it needs --hand
     #[arg(long, value_name = "M/S", value_parser = number(Quantity::Speed, "m/s"), allow_hyphen_values = true, conflicts_with_all = ["stroke", "hammer_speed"])]
     pub hand_speed: Option<f64>,
+    /// Joints of the hand's finger, e.g. compliance=0.2mm/N,time=8ms: how far they yield under the fingertip's force, and
+    /// how fast (damping over stiffness). `stiff`: not at all. A number that is left out keeps its default. With a
+    /// stroke file or --force-step it needs --hand [default: stiff; struck built-in touches 0.2mm/N and 8ms]
+    #[arg(long, value_name = "compliance=MM/N,time=MS", value_parser = joints)]
+    pub joints: Option<JointsOption>,
+}
+
+/// Joints as they were typed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct JointsOption {
+    compliance_m_per_n: Option<f64>,
+    retardation_s: Option<f64>,
+}
+
+impl JointsOption {
+    /// These joints; what was not typed is that of others.
+    fn over(self, own: Joints) -> Joints {
+        Joints {
+            compliance_m_per_n: self.compliance_m_per_n.unwrap_or(own.compliance_m_per_n),
+            retardation_s: self.retardation_s.unwrap_or(own.retardation_s),
+        }
+    }
+}
+
+/// Reads `stiff`, or one or two of a compliance and a time with their units.
+fn joints(text: &str) -> Result<JointsOption, String> {
+    let mut found = JointsOption { compliance_m_per_n: None, retardation_s: None };
+    if text.trim() == "stiff" {
+        return Ok(JointsOption { compliance_m_per_n: Some(0.0), ..found });
+    }
+    let expected = "expected `stiff`, or compliance and time, as in compliance=0.2mm/N,time=8ms";
+    for part in text.split(',') {
+        let (name, value) = part.split_once('=').ok_or_else(|| format!("found `{part}`; {expected}"))?;
+        let (quantity, place, most, range) = match name.trim() {
+            "compliance" => (Quantity::Compliance, &mut found.compliance_m_per_n, 0.1, "0 to 100 mm/N"),
+            "time" => (Quantity::Time, &mut found.retardation_s, 1.0, "0 to 1 s"),
+            other => return Err(format!("found `{other}`; {expected}")),
+        };
+        let value = quantity.read(value, Bare::Refused).map_err(|error| format!("{name}: {error}; {expected}"))?;
+        if !(0.0..=most).contains(&value) {
+            return Err(format!("{name}: expected {range}"));
+        }
+        if place.replace(value).is_some() {
+            return Err(format!("`{name}` is given twice; {expected}"));
+        }
+    }
+    Ok(found)
 }
 
 /// How the hand meets the key.
@@ -59,6 +106,11 @@ impl HandOptions {
         self.hand.map_or(MASS_KG, |grams| grams * 1e-3)
     }
 
+    /// The joints that were typed; what was not typed is that of others.
+    fn joints_over(&self, own: Joints) -> Joints {
+        self.joints.map_or(own, |typed| typed.over(own))
+    }
+
     /// Refuses a mass that was read as the stroke's file because the `=` before it is missing.
     pub(crate) fn refuse_mass_as(&self, file: &Path) -> Result<(), Failure> {
         let text = file.to_string_lossy();
@@ -71,13 +123,17 @@ impl HandOptions {
     /// The hand between a file or a force and the key, where one was asked for.
     pub(crate) fn between(&self) -> Result<Option<Hand>, Failure> {
         let Some(grams) = self.hand else {
-            return match self.hand_speed {
-                Some(_) => Err(Failure::Usage("--hand-speed with a file, --force-step or --drive needs --hand".into())),
+            let of_a_hand = [("--hand-speed", self.hand_speed.is_some()), ("--joints", self.joints.is_some())];
+            return match of_a_hand.into_iter().find(|(_, is_given)| *is_given) {
+                Some((option, _)) => {
+                    Err(Failure::Usage(format!("{option} with a file, --force-step or --drive needs --hand")))
+                }
                 None => Ok(None),
             };
         };
         let start_m_per_s = self.hand_speed.unwrap_or(0.0);
-        let hand = Hand { mass_kg: grams * 1e-3, start_m_per_s, ..Hand::default() };
+        let joints = self.joints_over(Joints::STIFF);
+        let hand = Hand { mass_kg: grams * 1e-3, start_m_per_s, joints, ..Hand::default() };
         hand.check().map_err(|error| Failure::Usage(error.to_string()))?;
         Ok(Some(hand))
     }
@@ -101,13 +157,12 @@ impl HandOptions {
         progress: &mut erard::Progress<'_>,
     ) -> Result<Stroke, LevelError> {
         let touch = if self.hand_speed.is_some() { Touch::Struck } else { self.touch };
-        let kind = HandKind { touch, mass_kg: self.mass_kg() };
+        let kind = HandKind { joints: self.joints_over(touch.joints()), ..HandKind::new(touch, self.mass_kg()) };
         let mut reference = Reference::new(reference, progress)?;
         let (name, found) = match self.hand_speed {
-            Some(speed_m_per_s) => (
-                format!("arriving with {speed_m_per_s} m/s"),
-                reference.strike(kind.mass_kg, speed_m_per_s, progress)?.whole(),
-            ),
+            Some(speed_m_per_s) => {
+                (format!("arriving with {speed_m_per_s} m/s"), reference.strike(kind, speed_m_per_s, progress)?.whole())
+            }
             None => {
                 let level = self.stroke.as_deref().unwrap_or("mf");
                 let (name, speed_m_per_s) = match self.hammer_speed {
@@ -118,7 +173,8 @@ impl HandOptions {
             }
         };
         let mass = self.hand.map_or_else(String::new, |grams| format!(", hand of {grams} g"));
-        Ok(Stroke::by_hand(format!("{name}, {}{mass}", touch.name()), found, DURATION_S))
+        let joints = self.joints.map_or_else(String::new, |_| format!(", joints {}", yielding(kind.joints)));
+        Ok(Stroke::by_hand(format!("{name}, {}{mass}{joints}", touch.name()), found, DURATION_S))
     }
 }
 
@@ -135,7 +191,18 @@ fn told(error: &LevelError) -> String {
     format!("{error}{way}")
 }
 
-/// What plays, to the last digit: mass, kg, speed of arrival, m/s, the muscle's force, N, and the impact, s.
+/// Joints in words.
+fn yielding(joints: Joints) -> String {
+    let Joints { compliance_m_per_n, retardation_s } = joints;
+    let rounded = |value: f64| (value * 1e6).round() / 1e3;
+    if compliance_m_per_n == 0.0 {
+        return "stiff".to_owned();
+    }
+    format!("{} mm/N in {} ms", rounded(compliance_m_per_n), rounded(retardation_s))
+}
+
+/// What plays, to the last digit: mass, kg, speed of arrival, m/s, the muscle's force, N, the impact, s, and joints that
+/// yield, m/N and s.
 fn exact(stroke: &Stroke) -> String {
     let Some(played) = stroke.hand_stroke() else { return String::new() };
     let force_n = match played.muscle {
@@ -143,19 +210,26 @@ fn exact(stroke: &Stroke) -> String {
         _ => f64::NAN,
     };
     let impact_s = played.relaxes.map_or(f64::NAN, |relax| relax.at_s);
-    format!("{} {} {force_n} {impact_s}", played.hand.mass_kg, played.hand.start_m_per_s)
+    let Joints { compliance_m_per_n, retardation_s } = played.hand.joints;
+    let joints =
+        if compliance_m_per_n == 0.0 { String::new() } else { format!(" {compliance_m_per_n} {retardation_s}") };
+    format!("{} {} {force_n} {impact_s}{joints}", played.hand.mass_kg, played.hand.start_m_per_s)
 }
 
 /// What plays, in a line; `None` where no built-in touch does.
 pub(crate) fn described(stroke: &Stroke) -> Option<String> {
     let played = stroke.hand_stroke()?;
     let grams = (played.hand.mass_kg * 1e4).round() / 10.0;
+    let joints = match played.hand.joints {
+        Joints { compliance_m_per_n: 0.0, .. } => String::new(),
+        joints => format!(", joints {}", yielding(joints)),
+    };
     Some(match played.muscle {
         Muscle::Swells { force_n, within_s } => {
-            format!("{grams} g on the key, muscle {force_n:.2} N within {:.0} ms", within_s * 1e3)
+            format!("{grams} g on the key, muscle {force_n:.2} N within {:.0} ms{joints}", within_s * 1e3)
         }
         Muscle::Steady { force_n } => {
-            format!("{grams} g arriving with {:.3} m/s, muscle {force_n:.2} N", played.hand.start_m_per_s)
+            format!("{grams} g arriving with {:.3} m/s, muscle {force_n:.2} N{joints}", played.hand.start_m_per_s)
         }
         _ => return None,
     })

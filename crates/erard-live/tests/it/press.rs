@@ -26,7 +26,7 @@ impl Press {
     /// The same on another action.
     pub fn on(instrument: &Instrument, speed_m_per_s: f64) -> Self {
         let mut reference = Reference::new(instrument, &mut |_| true).unwrap();
-        let kind = HandKind { touch: Touch::Pressed, mass_kg: 0.2 };
+        let kind = HandKind::new(Touch::Pressed, 0.2);
         let stroke = reference.solve(kind, speed_m_per_s, &mut |_| true).unwrap().whole();
         let mut action = Action::new(instrument).unwrap();
         let Settings { step: h, theta, .. } = *action.settings();

@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use erard::instrument::Instrument;
-use erard::player::Hand;
+use erard::player::{Hand, Joints};
 use erard::stroke::least_jerk;
 use erard::{Action, Input, Progress, Settings, StepOutcome};
 use erard_midi::{Crossing, Event, KeyNotes};
@@ -14,8 +14,14 @@ use crate::error::PerformError;
 
 /// A finger with a part of the hand, and the muscle that drives it, kg, N/m, N s/m. Estimates: it follows a path of 10
 /// Hz, and deviates by 0.8 mm under 5 N.
-const FINGER: Hand =
-    Hand { mass_kg: 0.1, stiffness_n_per_m: 6000.0, damping_n_s_per_m: 35.0, start_m: 0.0, start_m_per_s: 0.0 };
+const FINGER: Hand = Hand {
+    mass_kg: 0.1,
+    stiffness_n_per_m: 6000.0,
+    damping_n_s_per_m: 35.0,
+    start_m: 0.0,
+    start_m_per_s: 0.0,
+    joints: Joints::STIFF,
+};
 /// Rise of the key below which a second impact counts as a bounce of the hammer, m.
 const BOUNCED_M: f64 = 1e-3;
 /// A finger this high above the key's rest is away from the key, m.

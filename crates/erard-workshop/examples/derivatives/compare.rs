@@ -231,7 +231,7 @@ struct Press<'a> {
 
 impl<'a> Press<'a> {
     fn new(instrument: &'a Instrument, name: &str) -> Self {
-        let kind = HandKind { touch: Touch::Pressed, mass_kg: MASS_KG };
+        let kind = HandKind::new(Touch::Pressed, MASS_KG);
         let solved = Reference::new(instrument, &mut |_| true)
             .and_then(|mut reference| reference.solve(kind, named(name).unwrap(), &mut |_| true));
         let solved = solved.unwrap();

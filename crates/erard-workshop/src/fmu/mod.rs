@@ -32,12 +32,17 @@ pub enum Role {
     Velocity,
     /// Lift of the sustain pedal's rail set by the pedal, m.
     Pedal,
-    /// Mass of the hand, kg; its muscle's stiffness, N/m, and damping, N s/m.
+    /// Mass of the hand, kg; its muscle's stiffness, N/m, and damping, N s/m; the compliance of its joints, m/N, and
+    /// their retardation time, s.
     HandMass,
     /// See [`Role::HandMass`].
     MuscleStiffness,
     /// See [`Role::HandMass`].
     MuscleDamping,
+    /// See [`Role::HandMass`].
+    JointsCompliance,
+    /// See [`Role::HandMass`].
+    JointsTime,
     /// Selects the drive, see the description of [`Variable`]; an integer. A parameter of one key's unit, an input of
     /// each key of a keyboard.
     Drive,
@@ -115,6 +120,8 @@ impl Variable {
                 | Role::HandMass
                 | Role::MuscleStiffness
                 | Role::MuscleDamping
+                | Role::JointsCompliance
+                | Role::JointsTime
                 | Role::Mass(_)
                 | Role::Number(..)
         );
@@ -190,7 +197,7 @@ fn driver() -> [Variable; 4] {
 }
 
 /// Step, pedal and hand.
-fn settings(step_s: f64) -> [Variable; 5] {
+fn settings(step_s: f64) -> [Variable; 7] {
     [
         variable(
             3,
@@ -204,6 +211,22 @@ fn settings(step_s: f64) -> [Variable; 5] {
         variable(5, "hand_mass", Role::HandMass, Some(0.2), "kg", "Mass of the hand at its fingertip (drive = 4)"),
         variable(6, "muscle_stiffness", Role::MuscleStiffness, Some(0.0), "N/m", "Stiffness of its muscle (drive = 4)"),
         variable(7, "muscle_damping", Role::MuscleDamping, Some(0.0), "N.s/m", "Damping of its muscle (drive = 4)"),
+        variable(
+            8,
+            "joints_compliance",
+            Role::JointsCompliance,
+            Some(0.0),
+            "m/N",
+            "Compliance of the joints of its finger, 0 to 0.1 (drive = 4)",
+        ),
+        variable(
+            9,
+            "joints_time",
+            Role::JointsTime,
+            Some(0.0),
+            "s",
+            "Damping of these joints over their stiffness, 0 to 1 (drive = 4)",
+        ),
     ]
 }
 

@@ -77,14 +77,13 @@ pub(crate) fn timing(action: &dyn AtRest, progress: &mut Progress<'_>) -> Result
     };
     for touch in [Touch::Pressed, Touch::Struck] {
         for (nuance, speed_m_per_s) in LEVELS {
-            let solved =
-                match reference.solve(HandKind { touch, mass_kg: MASS_KG }, speed_m_per_s, &mut |_| progress(0.0)) {
-                    Ok(solved) => solved,
-                    Err(error) => {
-                        failed(error)?;
-                        continue;
-                    }
-                };
+            let solved = match reference.solve(HandKind::new(touch, MASS_KG), speed_m_per_s, &mut |_| progress(0.0)) {
+                Ok(solved) => solved,
+                Err(error) => {
+                    failed(error)?;
+                    continue;
+                }
+            };
             let hand = solved.held();
             let setup = Setup {
                 hand: Some(hand.hand),

@@ -192,7 +192,7 @@ pub(super) fn measure(instrument: &Instrument, progress: &mut Progress<'_>) -> R
         if !progress(done as f64 / count) {
             return Err(SimulationError::Interrupted.into());
         }
-        let kind = HandKind { touch: case.touch, mass_kg: MASS_KG };
+        let kind = HandKind::new(case.touch, MASS_KG);
         let hand = match reference.as_mut().map(|one| one.solve(kind, case.speed_m_per_s, &mut |_| true)) {
             Some(Ok(hand)) => Some(hand),
             Some(Err(LevelError::Action(error))) => return Err(SimulationError::from(error).into()),

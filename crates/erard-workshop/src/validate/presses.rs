@@ -247,7 +247,7 @@ pub(super) fn hand_at(
     progress: &mut Progress<'_>,
 ) -> Result<Option<Solved>, SimulationError> {
     let solved = Reference::new(instrument, progress)
-        .and_then(|mut reference| reference.solve(HandKind { touch, mass_kg: MASS_KG }, speed_m_per_s, progress));
+        .and_then(|mut reference| reference.solve(HandKind::new(touch, MASS_KG), speed_m_per_s, progress));
     match solved {
         Ok(solved) => Ok(Some(solved)),
         Err(LevelError::Interrupted) => Err(SimulationError::Interrupted),

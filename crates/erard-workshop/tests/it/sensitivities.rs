@@ -114,7 +114,7 @@ fn the_rest_moves_as_that_of_a_press_or_is_held() {
 fn what_does_not_converge_is_refused() {
     let name = "concert-grand";
     let (instrument, text) = (Instrument::builtin(name).unwrap(), Instrument::builtin_text(name).unwrap());
-    let kind = HandKind { touch: Touch::Pressed, mass_kg: MASS_KG };
+    let kind = HandKind::new(Touch::Pressed, MASS_KG);
     let hand = Reference::new(&instrument, &mut |_| true).unwrap().solve(kind, 5.0, &mut |_| true).unwrap().held();
     let setup = Setup { settings: Settings::new(25e-6), ledger: false, hand: Some(hand.hand), ..Setup::new(0.06) };
     let stroke = || -> erard_workshop::study::Stroke<'static> { Box::new(move |t| hand.input(t)) };

@@ -361,6 +361,8 @@ impl Places {
                 damping: Number::constant(hand.damping_n_s_per_m),
                 position: self.site + Number::constant(hand.position_m),
                 velocity: Number::constant(hand.velocity_m_per_s),
+                compliance: Number::constant(hand.joints.compliance_m_per_n),
+                retardation: Number::constant(hand.joints.retardation_s),
             }),
         }
     }

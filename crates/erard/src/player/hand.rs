@@ -1,4 +1,4 @@
-//! A hand behind the fingertip: a mass that muscle moves.
+//! A hand behind the fingertip: a mass that muscle moves, at the end of a finger whose joints may yield.
 //!
 //! A prescribed force does not depend on the key's motion, and nothing stops a prescribed motion. A hand has inertia:
 //! it arrives with speed, its force rises above its muscle's when the key stops it, and it may lift off. This is the
@@ -6,6 +6,20 @@
 //! has the equations.
 
 use super::Input;
+
+/// Joints of a finger, in series with the flesh of its fingertip, which is the instrument's `[finger]`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Joints {
+    /// Compliance at the fingertip, m/N; 0 (the default) for stiff joints.
+    pub compliance_m_per_n: f64,
+    /// Retardation time, s: damping over stiffness. Without effect if the joints are stiff.
+    pub retardation_s: f64,
+}
+
+impl Joints {
+    /// Joints that do not yield: the flesh alone is the finger.
+    pub const STIFF: Joints = Joints { compliance_m_per_n: 0.0, retardation_s: 0.0 };
+}
 
 /// A hand, as the fingertip feels it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,33 +35,42 @@ pub struct Hand {
     pub start_m: f64,
     /// Its velocity then, m/s, down positive.
     pub start_m_per_s: f64,
+    /// Joints of the finger.
+    pub joints: Joints,
 }
 
 impl Default for Hand {
     /// 0.2 kg on the key, at rest; muscle of 1500 N/m and 14 N s/m, which damps the hand by 0.4 of the critical
-    /// damping.
+    /// damping; stiff joints.
     fn default() -> Self {
-        Hand { mass_kg: 0.2, stiffness_n_per_m: 1500.0, damping_n_s_per_m: 14.0, start_m: 0.0, start_m_per_s: 0.0 }
+        Hand {
+            mass_kg: 0.2,
+            stiffness_n_per_m: 1500.0,
+            damping_n_s_per_m: 14.0,
+            start_m: 0.0,
+            start_m_per_s: 0.0,
+            joints: Joints::STIFF,
+        }
     }
 }
 
 impl Hand {
     /// The input of a step in which muscle does this: a force, a motion that stiffness and damping follow, nothing, or
-    /// what a hand's input says, with this hand's mass.
+    /// what a hand's input says, with this hand's mass and joints.
     /// Numbers belong to the step's theta point.
     ///
     /// # Errors
     /// [`HandError::Stroke`]: the muscle cannot impose a motion on the key.
     pub fn input(&self, muscle: &Input) -> Result<Input, HandError> {
-        let Hand { mass_kg, stiffness_n_per_m, damping_n_s_per_m, .. } = *self;
-        let free = HandInput { mass_kg, ..HandInput::default() };
+        let Hand { mass_kg, stiffness_n_per_m, damping_n_s_per_m, joints, .. } = *self;
+        let free = HandInput { mass_kg, joints, ..HandInput::default() };
         Ok(Input::Hand(match *muscle {
             Input::Free => free,
             Input::Force(force_n) => HandInput { force_n, ..free },
             Input::Motion { position_m, velocity_m_per_s } => {
                 HandInput { stiffness_n_per_m, damping_n_s_per_m, position_m, velocity_m_per_s, ..free }
             }
-            Input::Hand(muscle) => HandInput { mass_kg, ..muscle },
+            Input::Hand(muscle) => HandInput { mass_kg, joints, ..muscle },
             Input::Rigid { .. } => return Err(HandError::Stroke),
         }))
     }
@@ -64,6 +87,8 @@ impl Hand {
             ("damping of the muscle, N s/m", self.damping_n_s_per_m, 0.0, 1e5),
             ("place, m", self.start_m, -1.0, 1.0),
             ("speed, m/s", self.start_m_per_s, -20.0, 20.0),
+            ("compliance of the joints, m/N", self.joints.compliance_m_per_n, 0.0, 0.1),
+            ("retardation time of the joints, s", self.joints.retardation_s, 0.0, 1.0),
         ] {
             if !(from..=to).contains(&found) {
                 return Err(bad(what, found, from, to));
@@ -111,6 +136,8 @@ pub struct HandInput {
     pub position_m: f64,
     /// The velocity that goes with it, m/s.
     pub velocity_m_per_s: f64,
+    /// Joints of the finger.
+    pub joints: Joints,
 }
 
 impl HandInput {
@@ -124,6 +151,8 @@ impl HandInput {
             damping: self.damping_n_s_per_m,
             position: rest_m + self.position_m,
             velocity: self.velocity_m_per_s,
+            compliance: self.joints.compliance_m_per_n,
+            retardation: self.joints.retardation_s,
         })
     }
 }

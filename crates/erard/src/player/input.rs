@@ -29,8 +29,9 @@ pub enum Input {
         /// m/s.
         velocity_m_per_s: f64,
     },
-    /// A hand ([`super::Hand::input`]): a mass that muscle moves, whose fingertip is the instrument's `[finger]`. Its
-    /// place and speed are part of the action's state; [`crate::Action::place_hand`] sets them.
+    /// A hand ([`super::Hand::input`]): a mass that muscle moves, whose fingertip is the instrument's `[finger]`, in
+    /// series with the finger's [`Joints`](super::Joints). Its place and speed are part of the action's state;
+    /// [`crate::Action::place_hand`] sets them.
     Hand(HandInput),
 }
 

@@ -1,7 +1,8 @@
 //! The force curves that come with the program: five nuances, pressed and struck, for tests and comparisons. An earlier
 //! model of a hand played them on the concert grand; the built-in touches are hands ([`crate::level`]).
 
-use super::Series;
+use super::{STRUCK_JOINTS, Series};
+use crate::player::Joints;
 
 /// Nuances, softest first.
 pub const NUANCES: [&str; 5] = ["pp", "p", "mf", "f", "ff"];
@@ -21,6 +22,14 @@ impl Touch {
         match self {
             Touch::Pressed => "pressed",
             Touch::Struck => "struck",
+        }
+    }
+
+    /// Joints of the finger of the built-in touch ([`super::STRUCK_JOINTS`]); stiff where it presses.
+    pub fn joints(self) -> Joints {
+        match self {
+            Touch::Pressed => Joints::STIFF,
+            Touch::Struck => STRUCK_JOINTS,
         }
     }
 }

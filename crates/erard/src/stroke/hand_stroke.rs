@@ -25,7 +25,7 @@
 
 use std::f64::consts::PI;
 
-use crate::player::{Hand, HandInput, Input};
+use crate::player::{Hand, HandInput, Input, Joints};
 
 /// Depth to which a hand is driven, m below the key front's rest: a dip of 10 mm and 0.5 mm more, so that muscle holds
 /// the key down at the end.
@@ -34,6 +34,8 @@ const LED_DEPTH_M: f64 = 10.5e-3;
 pub const RISE_S: f64 = 0.040;
 /// The muscle's force of a struck touch for every m/s of its arrival, N s/m: fast hands press on harder. An estimate.
 pub const STRUCK_N_S_M: f64 = 6.0;
+/// Joints of the finger of a struck touch.
+pub const STRUCK_JOINTS: Joints = Joints::STIFF;
 /// A muscle relaxes within this time, s.
 const RELAX_S: f64 = 0.100;
 /// A muscle that holds the key stiffens within this time, s. An estimate.
@@ -133,7 +135,7 @@ impl HandStroke {
     /// [`STRUCK_N_S_M`].
     #[must_use]
     pub fn struck(mass_kg: f64, speed_m_per_s: f64) -> Self {
-        let hand = Hand { mass_kg, start_m_per_s: speed_m_per_s, ..Hand::default() };
+        let hand = Hand { mass_kg, start_m_per_s: speed_m_per_s, joints: STRUCK_JOINTS, ..Hand::default() };
         HandStroke {
             hand,
             muscle: Muscle::Steady { force_n: STRUCK_N_S_M * speed_m_per_s },

@@ -26,7 +26,7 @@ pub use columns::{Column, Columns, ColumnsError, Layout, PositionOf, ROLES, Role
 pub use driving::{DrivingError, Prescribed, Stroke};
 pub use error::StrokeError;
 pub use force::ForceSeries;
-pub use hand_stroke::{HOLDS_S, HandStroke, Leave, Muscle, RISE_S, Relax, STRUCK_N_S_M, least_jerk};
+pub use hand_stroke::{HOLDS_S, HandStroke, Leave, Muscle, RISE_S, Relax, STRUCK_JOINTS, STRUCK_N_S_M, least_jerk};
 pub use position::PositionSeries;
 pub use recording::{Channel, Dialect, Gaps, MAX_ROWS, Recording};
 pub use rows::MAX_BYTES;

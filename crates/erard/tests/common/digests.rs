@@ -63,7 +63,7 @@ pub fn long_hand_run() -> u64 {
 pub fn long_level_run() -> u64 {
     let grand = grand();
     let mut reference = Reference::new(&grand, &mut |_| true).expect("the concert grand plays");
-    let touches = [Touch::Pressed, Touch::Struck].map(|touch| HandKind { touch, mass_kg: MASS_KG });
+    let touches = [Touch::Pressed, Touch::Struck].map(|touch| HandKind::new(touch, MASS_KG));
     let levels = touches.into_iter().flat_map(|kind| [0, 2, 4].map(|level| (kind, LEVELS[level].1)));
     levels.fold(0, |all: u64, (kind, speed_m_per_s)| {
         let found = reference.solve(kind, speed_m_per_s, &mut |_| true).expect("a level of the concert grand");

@@ -3,7 +3,7 @@
 use crate::common::grand;
 use erard::gradient::{DIRECTIONS, Direction, GradientError, How, Poses, follow};
 use erard::keyboard::Keys;
-use erard::player::{self, Hand, Inside, LossRecorder, ReactionRecorder};
+use erard::player::{self, Hand, Inside, Joints, LossRecorder, ReactionRecorder};
 use erard::run::{Run, simulate_observed};
 use erard::stroke::least_jerk;
 use erard::{Action, Input, Instrument, Settings, Setup, Snapshot};
@@ -55,8 +55,14 @@ fn struck(t: f64) -> Input {
     Input::Force(if t < 0.1 { 6.0 } else { -1.5 })
 }
 
-const STRIKES: Hand =
-    Hand { mass_kg: 0.2, stiffness_n_per_m: 0.0, damping_n_s_per_m: 0.0, start_m: -1e-3, start_m_per_s: 0.3 };
+const STRIKES: Hand = Hand {
+    mass_kg: 0.2,
+    stiffness_n_per_m: 0.0,
+    damping_n_s_per_m: 0.0,
+    start_m: -1e-3,
+    start_m_per_s: 0.3,
+    joints: Joints::STIFF,
+};
 
 /// Adaptive steps carry the hand along: they arrive at the speed of short fixed ones, and a tighter tolerance arrives
 /// closer.

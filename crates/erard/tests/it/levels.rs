@@ -12,7 +12,7 @@ use erard::stroke::{HandStroke, Touch};
 const TOUCHES: [Touch; 2] = [Touch::Pressed, Touch::Struck];
 
 fn kind(touch: Touch) -> HandKind {
-    HandKind { touch, mass_kg: MASS_KG }
+    HandKind::new(touch, MASS_KG)
 }
 
 fn reference(instrument: &Instrument) -> Reference {
@@ -158,7 +158,7 @@ fn what_is_out_of_reach_is_answered_with_the_range() {
     for wrong in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
         let error = reference.solve(kind(Touch::Pressed), wrong, &mut |_| true).unwrap_err();
         assert!(matches!(error, LevelError::Speed { .. }), "{error}");
-        let hand = HandKind { mass_kg: wrong, touch: Touch::Struck };
+        let hand = HandKind::new(Touch::Struck, wrong);
         let error = reference.solve(hand, 1.0, &mut |_| true).unwrap_err();
         assert!(matches!(error, LevelError::Hand(_)), "{error}");
     }

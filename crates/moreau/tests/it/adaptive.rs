@@ -151,7 +151,16 @@ fn a_rejected_step_leaves_the_hand_where_it_was() {
             .compile::<1, 0>()
             .expect("sound");
     let (settings, accuracy) = (Settings::new(1e-3), Accuracy::new(1e-4, 1e-9, 1.0));
-    let hand = SiteHand { mass: 0.2, force: 3.0, stiffness: 0.0, damping: 0.0, position: 0.0, velocity: 0.0 };
+    let hand = SiteHand {
+        mass: 0.2,
+        force: 3.0,
+        stiffness: 0.0,
+        damping: 0.0,
+        position: 0.0,
+        velocity: 0.0,
+        compliance: 0.0,
+        retardation: 0.0,
+    };
     let go = |first: f64| {
         let mut state = State::at_rest([0.0]);
         state.hand = [0.0, 0.5];

@@ -168,7 +168,7 @@ pub(super) fn section(asked: &Instrument, progress: &mut Progress) -> Result<Sec
     let labels = ["key start to hammer (ms)", "hammer before key bottom (ms)"];
     let mut curves: [Vec<ChartCurve>; 2] = [Vec::new(), Vec::new()];
     let touches = [Touch::Pressed, Touch::Struck];
-    let kinds = touches.into_iter().flat_map(|touch| MASSES_KG.map(|mass_kg| HandKind { touch, mass_kg }));
+    let kinds = touches.into_iter().flat_map(|touch| MASSES_KG.map(|mass_kg| HandKind::new(touch, mass_kg)));
     let mut all: Vec<(HandKind, Vec<Touched>)> = Vec::new();
     for (k, kind) in kinds.enumerate() {
         let mut steps = Vec::new();
@@ -234,7 +234,7 @@ fn compared(all: &[(HandKind, Vec<Touched>)]) -> Table {
     for speed_m_per_s in COMPARED_M_PER_S {
         for mass_kg in MASSES_KG {
             let of = |touch: Touch| {
-                let (_, steps) = all.iter().find(|(kind, _)| *kind == HandKind { touch, mass_kg })?;
+                let (_, steps) = all.iter().find(|(kind, _)| *kind == HandKind::new(touch, mass_kg))?;
                 travel_at(steps, speed_m_per_s)
             };
             let [pressed, struck] = [Touch::Pressed, Touch::Struck].map(of);

@@ -87,7 +87,7 @@ impl Played {
 fn levels(instrument: &Instrument) -> Result<Vec<Played>, ReproduceError> {
     let failed = |error: LevelError| ReproduceError::Instrument(error.to_string());
     let mut reference = Reference::new(instrument, &mut |_| true).map_err(failed)?;
-    let kind = HandKind { touch: Touch::Pressed, mass_kg: MASS_KG };
+    let kind = HandKind::new(Touch::Pressed, MASS_KG);
     PLAYED
         .into_iter()
         .map(|level| {

@@ -379,7 +379,7 @@ impl Press {
         let wrong = |error: erard::level::LevelError| ReproduceError::Instrument(error.to_string());
         let ff = named("ff").ok_or_else(|| missing("level ff"))?;
         let mut reference = Reference::new(instrument, &mut |_| true).map_err(wrong)?;
-        let solved = reference.solve(HandKind { touch, mass_kg: MASS_KG }, ff, &mut |_| true).map_err(wrong)?;
+        let solved = reference.solve(HandKind::new(touch, MASS_KG), ff, &mut |_| true).map_err(wrong)?;
         let setup = Setup { settings: Settings::new(PRESS_STEP_S), record_every: Some(1), ..Setup::new(DURATION_S) };
         let run = press_by_hand(instrument, &solved.whole(), &setup, &mut |_| true)?;
         let events = &run.events;
