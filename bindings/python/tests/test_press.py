@@ -78,6 +78,15 @@ def test_strokes(grand: erard.Instrument) -> None:
     # A level is a speed of the hammer, whoever plays it.
     for hand in (None, erard.Hand(mass_kg=0.05)):
         assert grand.press(hammer_speed=2.5, touch="struck", hand=hand, duration=0.1).hammer_speed == pytest.approx(2.5, rel=1e-3)
+    # The joints of the struck touch are its default, to the bit; stiff ones need another hand for the same level.
+    own = grand.press(hammer_speed=2.5, touch="struck", duration=0.1)
+    typed = grand.press(hammer_speed=2.5, touch="struck", hand=erard.Hand(joints_m_per_n=0.2e-3, joints_s=8e-3), duration=0.1)
+    stiff = grand.press(hammer_speed=2.5, touch="struck", hand=erard.Hand(joints_m_per_n=0.0), duration=0.1)
+    assert np.array_equal(own["key_m"], typed["key_m"]) and not np.array_equal(own["key_m"], stiff["key_m"])
+    soft = grand.press(force=6.0, hand=erard.Hand(start_m_per_s=0.3, joints_m_per_n=0.5e-3), duration=0.1)
+    assert soft.hammer_speed < grand.press(force=6.0, hand=erard.Hand(start_m_per_s=0.3), duration=0.1).hammer_speed  # type: ignore[operator]
+    with pytest.raises(erard.InputError, match="compliance of the joints"):
+        grand.press(force=6.0, hand=erard.Hand(joints_m_per_n=1.0))
     with pytest.raises(erard.InputError, match="reaches 0.0.* to 6"):
         grand.press(hammer_speed=8.0)
     assert grand.press(stroke="mf", drive="force").hammer_speed == pytest.approx(1.942, abs=1e-3)

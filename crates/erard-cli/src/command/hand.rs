@@ -41,8 +41,8 @@ pub(crate) struct HandOptions {
     /// --force-step it needs --hand
     #[arg(long, value_name = "M/S", value_parser = number(Quantity::Speed, "m/s"), allow_hyphen_values = true, conflicts_with_all = ["stroke", "hammer_speed"])]
     pub hand_speed: Option<f64>,
-    /// Joints of the hand's finger, e.g. compliance=0.2mm/N,time=8ms: how far they yield under the fingertip's force, and
-    /// how fast (damping over stiffness). `stiff`: not at all. A number that is left out keeps its default. With a
+    /// Joints of the hand's finger, e.g. compliance=0.2mm/N,time=8ms: how far they yield under the fingertip's force,
+    /// and how fast (damping over stiffness). `stiff`: not at all. A number that is left out keeps its default. With a
     /// stroke file or --force-step it needs --hand [default: stiff; struck built-in touches 0.2mm/N and 8ms]
     #[arg(long, value_name = "compliance=MM/N,time=MS", value_parser = joints)]
     pub joints: Option<JointsOption>,
@@ -201,8 +201,8 @@ fn yielding(joints: Joints) -> String {
     format!("{} mm/N in {} ms", rounded(compliance_m_per_n), rounded(retardation_s))
 }
 
-/// What plays, to the last digit: mass, kg, speed of arrival, m/s, the muscle's force, N, the impact, s, and joints that
-/// yield, m/N and s.
+/// What plays, to the last digit: mass, kg, speed of arrival, m/s, the muscle's force, N, the impact, s, and joints
+/// that yield, m/N and s.
 fn exact(stroke: &Stroke) -> String {
     let Some(played) = stroke.hand_stroke() else { return String::new() };
     let force_n = match played.muscle {

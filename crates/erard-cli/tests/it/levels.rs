@@ -53,6 +53,33 @@ fn a_level_is_a_hammer_speed() {
     );
 }
 
+/// Joints of the finger have names and units; those of the struck touch, typed, are the struck touch to the bit, and
+/// what is left out stays its own. A pressed touch and a hand before a force may have them, too.
+#[test]
+fn joints_are_typed_with_their_units() {
+    let folder = Folder::new("levels-joints");
+    let struck = |joints: &[&str]| {
+        let said = folder.good(
+            &[&["press", "--touch", "struck", "--hand-speed", "0.5", "--duration", "0.1", "--out", "out"], joints]
+                .concat(),
+        );
+        (said, folder.read("out/run.csv").lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("\n"))
+    };
+    let (said, own) = struck(&[]);
+    assert!(said.contains("muscle 4.00 N, joints 0.2 mm/N in 8 ms"), "{said}");
+    for same in ["compliance=0.2mm/N,time=8ms", "time=0.008s, compliance=0.0002 m/N", "compliance=0.2mm/N"] {
+        assert!(struck(&["--joints", same]).1 == own, "{same}");
+    }
+    let (said, stiff) = struck(&["--joints", "stiff"]);
+    assert!(said.contains("joints stiff") && stiff != own, "{said}");
+    let force = |joints: &[&str]| {
+        speed(&summary(&folder, &[&["--force-step", "6", "--hand=200", "--hand-speed", "0.3"], joints].concat()))
+    };
+    assert!(force(&["--joints", "compliance=0.5mm/N"]) < force(&[]));
+    let pressed = summary(&folder, &["--stroke", "mf", "--joints", "compliance=0.2mm/N,time=8ms"]);
+    assert!((speed(&pressed) / 1.99 - 1.0).abs() <= 1e-3);
+}
+
 /// Two instruments are compared under one hand, unless each is to have its own; keys always have.
 #[test]
 fn one_hand_plays_both_unless_each_has_its_own() {
@@ -97,6 +124,14 @@ fn what_no_hand_reaches_is_refused() {
         (&["--hand-speed", "50"], "--hand-speed"),
         (&["--hand-speed", "-1"], "--hand-speed"),
         (&["--hand-speed", "1", "--force-step", "3"], "needs --hand"),
+        (&["--hand-speed", "1", "--joints", "0.2mm/N"], "expected `stiff`, or compliance and time"),
+        (&["--hand-speed", "1", "--joints", "stiffness=5N/mm"], "found `stiffness`"),
+        (&["--hand-speed", "1", "--joints", "compliance=0.2"], "compliance: "),
+        (&["--hand-speed", "1", "--joints", "compliance=0.2N"], "compliance: "),
+        (&["--hand-speed", "1", "--joints", "compliance=1m/N"], "expected 0 to 100 mm/N"),
+        (&["--hand-speed", "1", "--joints", "time=-1ms"], "expected 0 to 1 s"),
+        (&["--hand-speed", "1", "--joints", "time=1ms,time=2ms"], "given twice"),
+        (&["--joints", "stiff", "--force-step", "3"], "--joints with a file, --force-step or --drive needs --hand"),
         (&["--hand=0"], "--hand"),
         (&["--hand", "300g"], "--hand=300g"),
     ] {

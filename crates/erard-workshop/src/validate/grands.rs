@@ -109,7 +109,8 @@ pub fn published_ms(grand: &str, touch: Touch, quantity: Timing, speed_m_per_s: 
 }
 
 /// Names of the grands.
-pub(super) fn grands() -> Vec<&'static str> {
+#[must_use]
+pub fn grands() -> Vec<&'static str> {
     let mut names: Vec<&str> = GRANDS.iter().map(|curve| curve.grand).collect();
     names.dedup();
     names.truncate(names.iter().skip(1).position(|name| *name == names[0]).map_or(names.len(), |at| at + 1));
@@ -163,8 +164,9 @@ impl BesideGrands {
     }
 }
 
-/// Instant of the hammer's largest speed before the impact, s.
-fn fastest_s(run: &Run, impact_s: f64) -> f64 {
+/// Instant of the hammer's largest speed up to an instant, s, in a run: where the published free flight begins.
+#[must_use]
+pub fn fastest_s(run: &Run, impact_s: f64) -> f64 {
     let until = run.time_s.partition_point(|&t| t <= impact_s);
     let speeds = &run.hammer_rise_m_per_s[..until];
     let fastest = (0..speeds.len()).max_by(|&a, &b| speeds[a].total_cmp(&speeds[b]));

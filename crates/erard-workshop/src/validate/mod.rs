@@ -15,7 +15,7 @@ mod strings;
 mod touches;
 mod values;
 
-pub use grands::{BesideGrands, Timing, published_ms};
+pub use grands::{BesideGrands, Timing, fastest_s, grands, published_ms};
 pub use presses::{Drive, Loudness, SimulatedPress, measure as loudness};
 pub use published::{Published, PublishedError, PublishedKind, PublishedRow};
 pub use strings::Skipped;

@@ -203,7 +203,7 @@ mod tests {
         name = "fingertip"
         disc = { body = "hand", center_mm = [5000, 0] }
         line = { body = "key", point_mm = [-200, 0], normal = [0, 1] }
-        felt = { stiffness_N_per_m_r = 2e4, exponent = 1 }
+        felt = { stiffness_N_per_m_r = STIFFNESS, exponent = 1 }
     "#;
 
     fn pressed(hand: Hand, stroke: impl Fn(f64) -> Input, seconds: f64) -> (Vec<f64>, Vec<f64>, [f64; 2]) {
@@ -229,12 +229,19 @@ mod tests {
         (key_m, finger_force_n, [reading.hand_m, reading.hand_m_per_s])
     }
 
-    /// The hand that the step eliminates moves the key as one does that is a body of the mechanism.
+    /// The hand that the step eliminates moves the key as one does that is a body of the mechanism: by a fingertip of
+    /// 20 N/mm, and with joints of 5 N/mm behind it by 4 N/mm.
     #[test]
     fn it_is_a_body_of_its_own() {
-        let hand = Hand::default();
+        it_is_the_body(Joints::STIFF, "2e4");
+        it_is_the_body(Joints { compliance_m_per_n: 0.2e-3, retardation_s: 0.0 }, "4e3");
+    }
+
+    fn it_is_the_body(joints: Joints, stiffness: &str) {
+        let hand = Hand { joints, ..Hand::default() };
         let (key_m, finger_force_n, _) = pressed(hand, |_| Input::Force(0.6), 0.03);
-        let both = Instrument::parse(&format!("{KEY}{WITH_A_BODY}"), "both").unwrap();
+        let with_a_body = WITH_A_BODY.replace("STIFFNESS", stiffness);
+        let both = Instrument::parse(&format!("{KEY}{with_a_body}"), "both").unwrap();
         let mut action = Action::as_drawn(&both, Settings::new(H_S)).unwrap();
         let (mut largest_m, mut off_m, mut largest_n, mut off_n): (f64, f64, f64, f64) = (0.0, 0.0, 0.0, 0.0);
         for (a, force) in key_m.iter().zip(&finger_force_n) {
@@ -292,5 +299,9 @@ mod tests {
         assert_eq!(hand.input(&Input::Hand(heavy)).unwrap(), Input::Hand(HandInput { mass_kg: 0.2, ..heavy }));
         let nothing = Hand { mass_kg: f64::NAN, ..hand };
         assert!(nothing.check().unwrap_err().to_string().contains("mass"));
+        for (compliance_m_per_n, retardation_s) in [(-1e-3, 0.0), (0.0, -1.0), (f64::NAN, 0.0), (0.2, 0.0)] {
+            let loose = Hand { joints: Joints { compliance_m_per_n, retardation_s }, ..hand };
+            assert!(loose.check().unwrap_err().to_string().contains("of the joints"));
+        }
     }
 }

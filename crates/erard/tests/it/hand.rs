@@ -5,7 +5,7 @@ use erard::gradient::{DIRECTIONS, Direction, GradientError, How, Poses, follow};
 use erard::keyboard::Keys;
 use erard::player::{self, Hand, Inside, Joints, LossRecorder, ReactionRecorder};
 use erard::run::{Run, simulate_observed};
-use erard::stroke::least_jerk;
+use erard::stroke::{HandStroke, STRUCK_JOINTS, least_jerk};
 use erard::{Action, Input, Instrument, Settings, Setup, Snapshot};
 
 fn pressed(hand: Hand, force_n: f64, step_s: f64) -> Run {
@@ -61,7 +61,7 @@ const STRIKES: Hand = Hand {
     damping_n_s_per_m: 0.0,
     start_m: -1e-3,
     start_m_per_s: 0.3,
-    joints: Joints::STIFF,
+    joints: STRUCK_JOINTS,
 };
 
 /// Adaptive steps carry the hand along: they arrive at the speed of short fixed ones, and a tighter tolerance arrives
@@ -196,7 +196,7 @@ fn ten_hands_play_a_keyboard() {
 fn derivatives_take_a_hand() {
     let rigid = Instrument::builtin("concert-grand-rigid").unwrap();
     let stroke = |t: f64| Input::Force(8.0 * least_jerk(t / 0.02)[0]);
-    let hand = Hand { mass_kg: 0.2, ..Hand::default() };
+    let hand = Hand { mass_kg: 0.2, joints: STRUCK_JOINTS, ..Hand::default() };
     let setup = Setup { hand: Some(hand), ledger: false, ..Setup::new(0.1) };
     let found = std::thread::Builder::new()
         .stack_size(erard::gradient::STACK_BYTES)
@@ -224,4 +224,61 @@ fn derivatives_take_a_hand() {
     let differenced = (speed(0.02) - speed(-0.02)) / 0.04;
     println!("d(hammer speed)/d(muscle force) {derived}, by differences {differenced} m/s per N");
     assert!((derived / differenced - 1.0).abs() < 0.02, "{derived} {differenced}");
+}
+
+/// A struck note by flesh and joints as two springs with dampers in series, nothing of mass between them: instant of
+/// the impact, s, and hammer speed, m/s. Their common force drives the key, one step late; `joints` are stiffness, N/m,
+/// and damping, N s/m.
+fn struck_in_series(grand: &Instrument, stroke: &HandStroke, joints: [f64; 2], settings: Settings<f64>) -> [f64; 2] {
+    let (h, finger) = (settings.step, grand.finger);
+    let (kf, cf, [kj, cj]) = (finger.stiffness_n_per_m, finger.damping_n_s_per_m, joints);
+    let mut action = Action::with_progress(grand, settings, &mut |_| true).unwrap();
+    // Place and speed of the hand and of the key, and how far the joints are bent.
+    let (mut hand, mut key, mut bent) = ([0.0, stroke.hand.start_m_per_s], [0.0, 0.0], 0.0);
+    for n in 0..40_000 {
+        let [way, rate] = [hand[0] - key[0], hand[1] - key[1]];
+        let mut bends = (kf * (way - bent) + cf * rate - kj * bent) / (cj + cf);
+        let mut force_n = kj * bent + cj * bends;
+        if force_n <= 0.0 {
+            (force_n, bends) = (0.0, -kj * bent / cj);
+        }
+        bent += h * bends;
+        let Input::Force(muscle_n) = stroke.input(n as f64 * h) else { panic!("a force") };
+        hand[1] += h * (muscle_n - force_n) / stroke.hand.mass_kg;
+        hand[0] += h * hand[1];
+        let reading = action.step(Input::Force(force_n));
+        if let Some(impact) = reading.impact {
+            return [impact.time_s, impact.hammer_speed_m_per_s];
+        }
+        key = [reading.key_m, reading.key_m_per_s];
+    }
+    panic!("it does not sound");
+}
+
+/// Flesh and joints are in series: exactly so if both have one retardation time, but for the explicit steps of the
+/// comparison; with the joints of the struck touch, eight times as slow as the flesh, to the first order in the rate of
+/// the force.
+#[test]
+fn joints_are_in_series_with_the_flesh() {
+    let grand = grand();
+    let settings = Settings::new(10e-6);
+    let flesh_s = grand.finger.damping_n_s_per_m / grand.finger.stiffness_n_per_m;
+    let alike = Joints { retardation_s: flesh_s, ..STRUCK_JOINTS };
+    for (joints, bound) in [(alike, 0.003), (STRUCK_JOINTS, 0.03)] {
+        for arrives in [0.25, 0.5, 1.1] {
+            let stroke = HandStroke::struck(0.2, arrives);
+            let stroke = HandStroke { hand: Hand { joints, ..stroke.hand }, ..stroke };
+            let mut action = Action::with_progress(&grand, settings, &mut |_| true).unwrap();
+            action.place_hand(0.0, arrives);
+            let impact = (0..40_000).find_map(|n| {
+                let muscle = stroke.input((n as f64 + 0.5) * settings.step);
+                action.step(stroke.hand.input(&muscle).unwrap()).impact
+            });
+            let one = impact.map(|impact| [impact.time_s, impact.hammer_speed_m_per_s]).unwrap();
+            let stiffness = 1.0 / joints.compliance_m_per_n;
+            let two = struck_in_series(&grand, &stroke, [stiffness, stiffness * joints.retardation_s], settings);
+            println!("{arrives} m/s, {joints:?}: {one:?}, in series {two:?}");
+            assert!(one.iter().zip(two).all(|(a, b)| (a / b - 1.0).abs() < bound), "{one:?} {two:?}");
+        }
+    }
 }

@@ -82,16 +82,15 @@ fn leaves(instrument: &Instrument, run: &Run) -> [f64; 2] {
     [farthest_m, last_s]
 }
 
-/// A pressed key stays within 0.3 mm of its punching, and is on it for good after 30 ms. A struck one leaves by 0.38 mm
-/// at p, for 37 ms. It is held until the hand leaves, and home after that.
+/// A key stays within 0.3 mm of its punching, and is on it for good after 30 ms, pressed or struck. It is held until
+/// the hand leaves, and home after that.
 #[test]
 fn the_held_key_does_not_rattle() {
     let grand = grand();
     for (touch, name, _, solved, run) in GRAND.iter() {
         let [farthest_m, last_s] = leaves(&grand, run);
         println!("{} {name}: {:.2} mm, {:.0} ms", touch.name(), farthest_m * 1e3, last_s * 1e3);
-        let bounds = if *touch == Touch::Pressed { [0.3e-3, 0.030] } else { [0.5e-3, 0.050] };
-        assert!(farthest_m < bounds[0] && last_s < bounds[1]);
+        assert!(farthest_m < 0.3e-3 && last_s < 0.030, "{} {name}", touch.name());
         assert_eq!(run.events.impacts.len(), 1, "{name} {:?}", run.events.impacts);
         let row = run.time_s.partition_point(|&t| t < LET_GO_S);
         assert!((run.force_n[row] - HOLD_N).abs() < 1e-3, "{}", run.force_n[row]);
@@ -101,30 +100,18 @@ fn the_held_key_does_not_rattle() {
             let limp = played(&grand, &solved.stroke.relaxing(solved.impact.time_s, HOLD_N), LET_GO_S);
             assert!(leaves(&grand, &limp)[0] > 0.5e-3);
         }
-        // Let go instead of led up: away within 3 ms, and the key is home sooner.
+        // Let go instead of led up: away within 3 ms, and the key is home sooner. A struck finger yields by 0.75 mm
+        // under the hold: away when its hand has moved as far, sqrt(2 x 0.75 mm / 60 m/s2) = 5 ms after the 2 ms in
+        // which the force vanishes.
+        let away_s = if *touch == Touch::Pressed { 3e-3 } else { 7e-3 };
         let gone = played(&grand, &solved.held().letting_go(LET_GO_S), 0.7);
         let home = |run: &Run| {
             let from = run.time_s.partition_point(|&t| t < LET_GO_S);
             run.time_s[from + run.key_m[from..].iter().position(|key| *key < 0.5e-3).unwrap()]
         };
-        let away = gone.time_s.partition_point(|&t| t < LET_GO_S + 3e-3);
-        assert!(gone.force_n[away..].iter().all(|force| *force == 0.0), "{name}");
+        let away = gone.time_s.partition_point(|&t| t < LET_GO_S + away_s);
+        assert!(gone.force_n[away..].iter().all(|force| *force == 0.0), "{} {name}", touch.name());
         assert!(home(&gone) < home(run), "{name}");
-    }
-}
-
-/// A struck hand bounces on its own fingertip: with twice the damping there, the end of its spread, the key stays on
-/// its punching.
-#[test]
-fn a_struck_key_stays_under_a_duller_fingertip() {
-    let mut firm = grand();
-    firm.edit(|fields| fields.finger.damping_n_s_per_m *= 2.0).unwrap();
-    let mut reference = reference(&firm);
-    for (name, speed_m_per_s) in LEVELS.into_iter().filter(|(name, _)| ["p", "mf", "f"].contains(name)) {
-        let solved = solve(&mut reference, kind(Touch::Struck), speed_m_per_s);
-        let [farthest_m, last_s] = leaves(&firm, &played(&firm, &solved.whole(), LET_GO_S));
-        println!("{name}: {:.2} mm, {:.0} ms", farthest_m * 1e3, last_s * 1e3);
-        assert!(farthest_m < 0.01e-3, "{name}: {farthest_m}");
     }
 }
 

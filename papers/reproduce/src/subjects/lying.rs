@@ -66,13 +66,13 @@ fn pin_of(instrument: &Instrument) -> Result<Option<usize>, ReproduceError> {
 }
 
 /// One action, carried in two ways.
-struct Keys {
-    nailed: Instrument,
-    lying: Instrument,
+pub(super) struct Keys {
+    pub nailed: Instrument,
+    pub lying: Instrument,
 }
 
 impl Keys {
-    fn of(instrument: &Instrument) -> Result<Self, ReproduceError> {
+    pub(super) fn of(instrument: &Instrument) -> Result<Self, ReproduceError> {
         let heel = zone_of(instrument, HEEL)?;
         if pin_of(instrument)?.is_none() {
             return Ok(Keys { nailed: instrument.clone(), lying: laid(instrument)? });

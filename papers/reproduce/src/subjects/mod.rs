@@ -177,7 +177,7 @@ pub fn subjects() -> Vec<Subject> {
         subject("train-felts", "Stiffness and loss of heel and knuckle", 16.0, train::section),
         subject("train-loss", "What heel and knuckles give back of a blow", 0.5, train_loss::section),
         subject("dynamics", "From gentle to loud: touches, hands, travel times", 3.0, dynamics::section),
-        subject("struck-hand", "What the struck hand does", 2.0, struck::section),
+        subject("struck-hand", "What the struck hand does", 6.0, struck::section),
         subject("lying-key", "The key that lies on its balance rail", 2.0, lying::section),
         subject("released-key", "The key that is let go, and why it rebounds", 1.0, release::section),
         subject("events", "How events converge, and which of them are chance", 6.0, events::section),
