@@ -1,5 +1,9 @@
 //! How stiff a coupling a haptic key can stand, by simulation and by theory: writes the figure haptic.svg into a
 //! folder, and prints the tables of the book's chapter for builders. `.ci/regenerate haptic` writes the figure.
+//!
+//! ```text
+//! haptic_margin [FOLDER [INSTRUMENT]]    INSTRUMENT: a built-in one (concert-grand), or a file
+//! ```
 
 #[path = "../tests/abi/haptic_loop.rs"]
 mod haptic_loop;
@@ -15,7 +19,11 @@ const DAMPINGS: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 7.0, 10.0];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".into());
-    let grand = Instrument::builtin("concert-grand")?;
+    let name = std::env::args().nth(2).unwrap_or_else(|| "concert-grand".into());
+    let grand = match Instrument::builtin(&name) {
+        Ok(grand) => grand,
+        Err(_) => Instrument::load(name.as_ref())?,
+    };
     let file = [grand.finger.stiffness_n_per_m, grand.finger.damping_n_s_per_m];
 
     println!("| device damping, N s/m | 1 kHz | passive | 4 kHz | passive | 20 kHz | passive |");
@@ -64,9 +72,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let figure = Figure {
         title: "The stiffest coupling that a haptic key stands".into(),
-        subtitle:
-            "the concert grand under a device of 50 g, 40 N, motor lag 0.2 ms, encoder 1 um, one period of latency"
-                .into(),
+        subtitle: format!(
+            "{}, under a device of 50 g, 40 N, motor lag 0.2 ms, encoder 1 um, one period of latency",
+            grand.name
+        ),
         width_px: 1000.0,
         x_label: "the device's own damping b (N s/m)".into(),
         ..figure_of(panel)

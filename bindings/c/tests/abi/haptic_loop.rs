@@ -266,15 +266,24 @@ pub fn play_admittance(instrument: &Instrument, period_s: f64, bandwidth_hz: f64
     out
 }
 
-/// The stiffest coupling without a damper, N/m, with which the device is still under either finger; to a fiftieth.
+/// The stiffest coupling without a damper, N/m, up to which the device is still under every finger: from half of the
+/// passive coupling on in steps of a twentieth, the last of them to a fiftieth, up to 1e6. 0 where that half is not
+/// still.
+///
+/// It goes up and does not bisect from afar: a coupling can be still that is stiffer than one that trembles. Where the
+/// delay feeds energy in, dry friction takes up small motions only, and which coupling lets a press end in a small one
+/// does not follow their stiffness.
 pub fn stiffest_still(instrument: &Instrument, device: &Device) -> f64 {
     let is_still = |stiffness: f64| {
         [Finger::Force(6.0), Finger::Force(2.0), Finger::Hand]
             .into_iter()
             .all(|finger| play(instrument, device, [stiffness, 0.0], finger, false).is_still())
     };
-    let (mut low, mut high) = (10.0_f64, 1e6_f64);
-    while high / low > 1.02 {
+    let (mut low, mut high) = (0.0, 0.5 * device.passive_n_per_m(0.0, true));
+    while low < 1e6 && is_still(high) {
+        (low, high) = (high, 1.05 * high);
+    }
+    while low > 0.0 && high / low > 1.02 {
         let middle = (low * high).sqrt();
         if is_still(middle) { low = middle } else { high = middle }
     }
