@@ -319,30 +319,20 @@ fn anything_is_varied_and_measured() {
     );
 }
 
-mod nightly {
-    use super::{Folder, Value, columns};
-
-    /// Samples in which a variant fails are listed with the reason: on standard error, as a file, in the answer.
-    #[test]
-    #[ignore = "nightly: two samples of a grand"]
-    fn samples_that_fail_are_listed() {
-        let folder = Folder::new("study-failed-samples");
-        let varied = ["study", "--vary", "capstan_height=+0mm,20mm", "--measure", "key_ratio", "--force-step", "5"];
-        let output = folder.erard(&[&varied[..], &["--duration", "0.05", "--bands=2", "--json"]].concat());
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(
-            Folder::words(&said).contains("samples 1, 2 not in all bands: not measured: cannot be measured"),
-            "{said}"
-        );
-        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
-        let failed = answer["failed_samples"].as_array().unwrap();
-        assert_eq!(failed.iter().map(|one| one["sample"].as_u64()).collect::<Vec<_>>(), [Some(1), Some(2)]);
-        let written = columns(&folder, "erard-out-study/failed-samples.csv");
-        assert_eq!(written[0], ("sample".to_owned(), vec!["1".to_owned(), "2".to_owned()]));
-        assert!(written[1].1.iter().all(|error| error.contains("not measured")), "{written:?}");
-        assert!(
-            answer["table"]["key_ratio_5"][1].is_null() && !answer["table"]["key_ratio_5"][0].is_null(),
-            "{answer}"
-        );
-    }
+/// Samples in which a variant fails are listed with the reason: on standard error, as a file, in the answer.
+#[test]
+#[ignore = "ci: two samples of a grand, each made and measured"]
+fn samples_that_fail_are_listed() {
+    let folder = Folder::new("study-failed-samples");
+    let varied = ["study", "--vary", "capstan_height=+0mm,20mm", "--measure", "key_ratio", "--force-step", "5"];
+    let output = folder.erard(&[&varied[..], &["--duration", "0.05", "--bands=2", "--json"]].concat());
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(Folder::words(&said).contains("samples 1, 2 not in all bands: not measured: cannot be measured"), "{said}");
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let failed = answer["failed_samples"].as_array().unwrap();
+    assert_eq!(failed.iter().map(|one| one["sample"].as_u64()).collect::<Vec<_>>(), [Some(1), Some(2)]);
+    let written = columns(&folder, "erard-out-study/failed-samples.csv");
+    assert_eq!(written[0], ("sample".to_owned(), vec!["1".to_owned(), "2".to_owned()]));
+    assert!(written[1].1.iter().all(|error| error.contains("not measured")), "{written:?}");
+    assert!(answer["table"]["key_ratio_5"][1].is_null() && !answer["table"]["key_ratio_5"][0].is_null(), "{answer}");
 }
