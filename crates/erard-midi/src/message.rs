@@ -21,6 +21,12 @@ pub const SUSTAIN: u8 = 64;
 pub const SOSTENUTO: u8 = 66;
 /// The controller of the left pedal.
 pub const SOFT: u8 = 67;
+/// The controller that silences a channel at once, whatever its pedals are.
+pub const ALL_SOUND_OFF: u8 = 120;
+/// The controller that sets a channel's controllers to where they begin: pedals up.
+pub const RESET_CONTROLLERS: u8 = 121;
+/// The controller that lets a channel's keys up; so do the four above it, which choose modes of reception.
+pub const ALL_NOTES_OFF: u8 = 123;
 
 /// One or two messages of MIDI 1.0 that belong together: a note with the controller 88 before it, if it has one, so
 /// that nothing comes between them.

@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use erard_midi::file::{Note, PedalChange, Piece, write};
+use erard_midi::file::{Note, PedalChange, Piece, Remarks, write};
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
 use erard_midi::{Resolution, Velocity, key_of_note};
 
@@ -285,7 +285,7 @@ impl Pianist {
         }
         self.pedals.retain(|change| change.time_s < seconds);
         self.pedals.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-        Piece { notes: self.notes, pedals: self.pedals, remarks: Vec::new() }
+        Piece { notes: self.notes, pedals: self.pedals, remarks: Remarks::default() }
     }
 }
 

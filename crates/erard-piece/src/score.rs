@@ -34,7 +34,7 @@ pub fn passage(piece: &Piece, from_s: f64, to_s: f64) -> Piece {
     let shifted = notes.map(|note| Note { start_s: note.start_s - from_s, end_s: note.end_s - from_s, ..*note });
     let pedals = piece.pedals.iter().filter(|change| change.time_s < to_s);
     let pedals = pedals.map(|change| PedalChange { time_s: (change.time_s - from_s).max(0.0), ..*change });
-    Piece { notes: shifted.collect(), pedals: pedals.collect(), remarks: piece.remarks.clone() }
+    Piece { notes: shifted.collect(), pedals: pedals.collect(), remarks: piece.remarks.within(from_s, to_s) }
 }
 
 /// A motion of a foot.
@@ -107,7 +107,7 @@ impl<'l> Score<'l> {
                 _ => {}
             }
         }
-        let mut remarks = piece.remarks.clone();
+        let mut remarks = piece.remarks.lines();
         remarks.extend(soft_remark(piece));
         Score { law: *law, notes: notes.collect(), feet, shift_s, duration_s: piece.duration_s() + shift_s, remarks }
     }

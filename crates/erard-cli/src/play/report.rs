@@ -184,7 +184,12 @@ fn ceilings(side: &Side, law: &Law<'_>) -> String {
     let keys =
         if found.len() == 1 { "ceiling of a key".to_owned() } else { format!("ceilings of {} keys", found.len()) };
     let range = if found.len() == 1 { one(low) } else { format!("{} to {}", one(low), one(high)) };
-    format!("\n{}: {keys} that a hand reaches: {range}\n", side.name)
+    // Rounded down to half a metre per second.
+    let within = (2.0 * low.1).floor() / 2.0;
+    format!(
+        "\n{}: {keys} that a hand reaches: {range}\n  soft by the law of velocities: --law linear:{within} is within their reach\n",
+        side.name
+    )
 }
 
 /// What is printed.

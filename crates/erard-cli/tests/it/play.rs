@@ -57,6 +57,8 @@ fn a_piece_is_played_and_written() {
     let [key, hammer_speed_m_per_s] =
         ["key", "hammer_speed_m_per_s"].map(|name| own["ceilings"][0][name].as_f64().unwrap());
     assert!(key == 52.0 && (7.3..7.8).contains(&hammer_speed_m_per_s) && said.contains("ceiling of a key"), "{said}");
+    let within = (2.0 * hammer_speed_m_per_s).floor() / 2.0;
+    assert!(said.contains(&format!("--law linear:{within} is within their reach")), "{said}");
     let reasons = &own["reasons"];
     assert_eq!(
         (&reasons["within 40 ms of the last stroke"], &reasons["louder than a hand can play it"]),
@@ -93,6 +95,34 @@ fn two_keyboards_are_laid_side_by_side() {
     for name in ["notes-1.csv", "notes-2.csv", "actions-1.parquet", "actions-2.parquet"] {
         assert!(folder.0.join("out").join(name).exists(), "{name}");
     }
+}
+
+/// Of a file with two channels, a chord of two voices on a key and a bad byte, a passage says what is so in it.
+#[test]
+fn remarks_are_those_of_the_passage() {
+    let track = [
+        // At 0: two voices on C4, and a channel that is an organ. At 1 s, a byte that is no event. At 2 s, E4 alone.
+        &[0, 0xC1, 19, 0, 0x90, 60, 40, 0, 0x90, 60, 90, 0, 0x91, 64, 60][..],
+        &[96, 0x80, 60, 0, 0, 0x80, 60, 0, 0, 0x81, 64, 0],
+        &[96, 0xF8, 0, 0xB0, 1, 0],
+        &[0x81, 0x40, 0x90, 64, 60, 96, 0x80, 64, 0, 0, 0xFF, 0x2F, 0],
+    ]
+    .concat();
+    let head = [b"MThd".as_slice(), &[0, 0, 0, 6, 0, 0, 0, 1, 0, 192], b"MTrk", &[0, 0, 0, track.len() as u8]].concat();
+    let folder = with("passage", &[head, track].concat());
+    let played = |options: &[&str]| folder.good(&[&["play", "piece.mid", "--force"][..], &CHEAP, options].concat());
+    let whole = played(&[]);
+    assert!(whole.starts_with("piece.mid - 3 notes, "), "{whole}");
+    for remark in [
+        "1 note at the instant of another of its key: one strike",
+        "channels 1, 2 (program 20) are one piano here",
+        "track 1: 1 byte at byte 51 is no event: none of its 4 notes lost",
+    ] {
+        assert!(whole.contains(remark), "{remark}: {whole}");
+    }
+    let part = played(&["--from", "1"]);
+    let said: Vec<&str> = part.lines().take_while(|line| !line.is_empty()).collect();
+    assert!(said.len() == 2 && said[0].starts_with("piece.mid - 1 notes, ") && said[1].contains("begins"), "{part}");
 }
 
 /// Velocities are speeds by the law that is asked for, and the soft pedal is reported once.

@@ -1,12 +1,15 @@
 //! Standard MIDI Files: a piece as notes of the piano's keys, in seconds, and back.
 
+mod chunks;
+mod pairing;
 mod read;
+mod remarks;
 mod write;
 
-use std::string::String;
 use std::vec::Vec;
 
 pub use read::{ReadError, read};
+pub use remarks::Remarks;
 pub use write::{WriteError, write};
 
 use crate::Velocity;
@@ -46,8 +49,8 @@ pub struct Piece {
     pub notes: Vec<Note>,
     /// The pedals in the order of time.
     pub pedals: Vec<PedalChange>,
-    /// Parts of the file that were left out or repaired, a sentence each.
-    pub remarks: Vec<String>,
+    /// Parts of the file that were left out, merged or repaired.
+    pub remarks: Remarks,
 }
 
 impl Piece {

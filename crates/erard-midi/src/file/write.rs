@@ -2,12 +2,8 @@
 
 use std::vec::Vec;
 
-use midly::num::{u4, u7, u15, u24, u28};
-use midly::{Format, Header, MetaMessage, MidiMessage, Smf, Timing, TrackEvent, TrackEventKind};
-
 use super::Piece;
-use crate::message::HIGH_RESOLUTION;
-use crate::{Resolution, Velocity, note_of_key};
+use crate::{Message, Resolution, Velocity, note_of_key};
 
 /// Ticks for a quarter note, of which there are two a second: a tick takes a twentieth of a millisecond.
 const TICKS: u16 = 10_000;
@@ -51,62 +47,57 @@ impl std::error::Error for WriteError {}
 /// # Errors
 /// [`WriteError`].
 pub fn write(piece: &Piece, resolution: Resolution) -> Result<Vec<u8>, WriteError> {
-    let mut events: Vec<(u64, u8, [Option<MidiMessage>; 2])> = Vec::new();
+    let mut events: Vec<(u64, u8, Message)> = Vec::new();
     let tick = |time_s: f64| (time_s * TICKS_PER_S).round() as u64;
     let is_instant = |time_s: f64| time_s.is_finite() && time_s >= 0.0;
     for (i, note) in piece.notes.iter().enumerate() {
         let number = note_of_key(note.key)
             .filter(|_| is_instant(note.start_s) && is_instant(note.end_s) && note.start_s < note.end_s);
         let Some(number) = number else { return Err(WriteError::Note(i)) };
-        let key = u7::new(number);
-        let (below, vel) = split(note.velocity, resolution);
-        events.push((tick(note.start_s), 2, [below, Some(MidiMessage::NoteOn { key, vel })]));
-        let (below, vel) = match note.release {
-            Some(release) => split(release, resolution),
-            None => (None, u7::new(64)),
+        events.push((tick(note.start_s), 2, Message::note_on(0, number, note.velocity, resolution)));
+        let off = match note.release {
+            Some(release) => Message::note_off(0, number, release, resolution),
+            None => Message::note_off(0, number, Velocity::of_seven_bits(64), Resolution::SevenBits),
         };
-        events.push((tick(note.end_s), 0, [below, Some(MidiMessage::NoteOff { key, vel })]));
+        events.push((tick(note.end_s), 0, off));
     }
     for (i, pedal) in piece.pedals.iter().enumerate() {
         if !is_instant(pedal.time_s) {
             return Err(WriteError::Pedal(i));
         }
-        let (controller, value) = (u7::new(pedal.controller & 0x7F), u7::new(pedal.value & 0x7F));
-        events.push((tick(pedal.time_s), 1, [None, Some(MidiMessage::Controller { controller, value })]));
+        events.push((tick(pedal.time_s), 1, Message::controller(0, pedal.controller, pedal.value)));
     }
     events.sort_by_key(|(tick, order, _)| (*tick, *order));
-    let mut track = Vec::from([TrackEvent {
-        delta: u28::new(0),
-        kind: TrackEventKind::Meta(MetaMessage::Tempo(u24::new(QUARTER_US))),
-    }]);
-    let mut now = 0;
-    for (tick, _, messages) in events {
-        for message in messages.into_iter().flatten() {
-            if tick - now > MAX_TICKS {
-                return Err(WriteError::Silence(now as f64 / TICKS_PER_S));
-            }
-            let delta = u28::new((tick - now) as u32);
-            track.push(TrackEvent { delta, kind: TrackEventKind::Midi { channel: u4::new(0), message } });
-            now = tick;
+    let [_, high, middle, low] = QUARTER_US.to_be_bytes();
+    let mut track = Vec::from([0, 0xFF, 0x51, 3, high, middle, low]);
+    let (mut now, mut status) = (0, 0);
+    for (tick, _, message) in events {
+        if tick - now > MAX_TICKS {
+            return Err(WriteError::Silence(now as f64 / TICKS_PER_S));
         }
+        // A controller 88 and its note are three bytes each, the note at once.
+        for (i, bytes) in message.bytes().chunks(3).enumerate() {
+            delay(&mut track, if i == 0 { tick - now } else { 0 });
+            track.extend(if bytes[0] == status { &bytes[1..] } else { bytes });
+            status = bytes[0];
+        }
+        now = tick;
     }
-    track.push(TrackEvent { delta: u28::new(0), kind: TrackEventKind::Meta(MetaMessage::EndOfTrack) });
-    let header = Header::new(Format::SingleTrack, Timing::Metrical(u15::new(TICKS)));
-    let mut bytes = Vec::new();
-    // Nothing that is written to a vector fails.
-    let _: Result<(), _> = Smf { header, tracks: Vec::from([track]) }.write_std(&mut bytes);
+    track.extend([0, 0xFF, 0x2F, 0]);
+    let mut bytes = Vec::from(*b"MThd\0\0\0\x06\0\0\0\x01");
+    bytes.extend(TICKS.to_be_bytes());
+    bytes.extend(b"MTrk");
+    bytes.extend((track.len() as u32).to_be_bytes());
+    bytes.extend(track);
     Ok(bytes)
 }
 
-/// A velocity as its controller 88, if it has one, and its message's seven bits.
-fn split(velocity: Velocity, resolution: Resolution) -> (Option<MidiMessage>, u7) {
-    match resolution {
-        Resolution::SevenBits => (None, u7::new(velocity.seven_bits())),
-        Resolution::FourteenBits => {
-            let value = velocity.fourteen_bits();
-            let below =
-                MidiMessage::Controller { controller: u7::new(HIGH_RESOLUTION), value: u7::new((value & 0x7F) as u8) };
-            (Some(below), u7::new((value >> 7) as u8))
+/// Appends a number of at most 28 bits, seven in a byte, the highest first.
+fn delay(track: &mut Vec<u8>, ticks: u64) {
+    for bits in [21, 14, 7] {
+        if ticks >> bits > 0 {
+            track.push((ticks >> bits) as u8 & 0x7F | 0x80);
         }
     }
+    track.push(ticks as u8 & 0x7F);
 }

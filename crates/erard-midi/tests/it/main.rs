@@ -1,6 +1,11 @@
 //! One program, so that it is linked once.
 
+mod bytes;
 mod files;
+mod habits;
 mod laws;
 mod messages;
+#[path = "../../../erard/tests/common/not_run.rs"]
+mod not_run;
 mod notes;
+mod second_reader;

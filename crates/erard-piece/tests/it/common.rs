@@ -6,7 +6,7 @@ use std::sync::{Arc, LazyLock, Mutex};
 
 use erard::instrument::Instrument;
 use erard::keyboard::Keyboard;
-use erard_midi::file::{Note, PedalChange, Piece};
+use erard_midi::file::{Note, PedalChange, Piece, Remarks};
 use erard_midi::{Law, Velocity};
 use erard_piece::{Block, Options, Performance, Score, Silence, Sink, perform};
 
@@ -34,7 +34,7 @@ pub fn foot(time_s: f64, controller: u8, value: u8) -> PedalChange {
 pub fn score(notes: Vec<Note>, pedals: Vec<PedalChange>) -> Score<'static> {
     let mut notes = notes;
     notes.sort_by(|a, b| a.start_s.total_cmp(&b.start_s).then(a.key.cmp(&b.key)));
-    Score::of(&Piece { notes, pedals, remarks: Vec::new() }, &Law::GOEBL)
+    Score::of(&Piece { notes, pedals, remarks: Remarks::default() }, &Law::GOEBL)
 }
 
 pub fn piece(name: &str) -> Score<'static> {
