@@ -10,7 +10,7 @@ use crate::key::Key;
 use crate::moment::Moment;
 use crate::note::Played;
 use crate::options::Options;
-use crate::press::{LetGo, Pressed, STAYS_S, press};
+use crate::press::{Before, LetGo, Pressed, Ready, STAYS_S, press};
 use crate::release::release;
 use crate::score::{Score, WrittenNote};
 use crate::sink::Sink;
@@ -22,6 +22,11 @@ const TAIL_S: f64 = 1.0;
 const BLOCK_S: f64 = 10.0;
 /// Time that a key needs after a usual release, from the fall of its damper until it is at rest, s.
 const HOME_S: f64 = 0.060;
+/// Time after the fall of its damper within which a key's release is part of the next stroke, s: one that falls earlier
+/// leaves the key at rest, whatever the hand does.
+const NEAR_S: f64 = 0.2;
+/// Longest time by which a hand lets a key go before the next stroke for the sake of that stroke, s.
+const AHEAD_S: f64 = 0.45;
 
 /// Shortest time between two strikes of a key, s: no action repeats 25 times a second, and the fastest players not two
 /// thirds as often. A note sooner than that is not tried.
@@ -98,15 +103,18 @@ impl Player<'_, '_> {
             return Ok(());
         }
         let guess = self.touches.guess(0, wanted.speed_m_per_s);
-        let let_go = self.make_ready(wanted.on_s - guess.takes_s, progress)?;
-        if let_go.is_none() {
+        let ready = self.make_ready(wanted.on_s - guess.takes_s, progress)?;
+        if !matches!(ready, Ready::Held(_)) {
             let back_s = if guess.is_known { 1.25 * guess.takes_s + 0.015 } else { 1.5 * guess.takes_s + 0.05 };
             let from = self.key.step_at(wanted.on_s - back_s);
             self.key.advance(from, progress)?;
         }
-        self.key.flush_rows(self.sink, false)?;
+        // Nobody goes back behind this, except for a release that is tried once more.
+        if !matches!(ready, Ready::Near(_)) {
+            self.key.flush_rows(self.sink, false)?;
+        }
         let Pressed { played, start, posture } =
-            press(&mut self.key, &mut self.touches, self.law, wanted, let_go, next_s, progress)?;
+            press(&mut self.key, &mut self.touches, self.law, wanted, ready, next_s, progress)?;
         self.conclude(played.pressed_s, posture.was_checked);
         if let Hand::On { stroke, .. } = self.key.hand
             && self.is_of_interest(&played)
@@ -120,20 +128,31 @@ impl Player<'_, '_> {
         Ok(())
     }
 
-    /// Releases the key for a hand that begins at an instant, s, or, if there is no time for that, returns the release
-    /// that becomes a part of the next stroke.
-    fn make_ready(&mut self, begins_s: f64, progress: &mut Progress<'_>) -> Result<Option<LetGo>, PerformError> {
-        let Some(last) = self.last.map(|last| &self.notes[last].1) else { return Ok(None) };
+    /// Releases the key for a hand that begins at an instant, s; where there is no time for that, the release becomes a
+    /// part of the next stroke.
+    fn make_ready(&mut self, begins_s: f64, progress: &mut Progress<'_>) -> Result<Ready, PerformError> {
+        let Some(last) = self.last.map(|last| &self.notes[last].1) else { return Ok(Ready::Home) };
         let (off_s, release_m_per_s) = self.off;
         let struck_s = last.impact.map_or(self.key.now_s(), |[at_s, _]| at_s);
-        if off_s.max(struck_s + STAYS_S) + HOME_S <= begins_s {
+        let damped_s = off_s.max(struck_s + STAYS_S);
+        if damped_s + NEAR_S <= begins_s {
             release(&mut self.key, &mut self.touches, off_s, release_m_per_s, progress)?;
-            return Ok(None);
+            return Ok(Ready::Home);
         }
         let quick_s = self.touches.lag_s(crate::hand::Way::QUICK.within_s);
-        let earliest = self.key.step_at(struck_s + STAYS_S).max(self.key.now());
-        let written = self.key.step_at(off_s - quick_s).max(earliest);
-        Ok(Some(LetGo { written, earliest }))
+        let soonest = self.key.step_at(struck_s + STAYS_S).max(self.key.step_at(begins_s - AHEAD_S));
+        let written = self.key.step_at(off_s - quick_s).max(soonest).max(self.key.now());
+        // The key is held until then in any case.
+        let earliest = soonest.min(written).max(self.key.now());
+        self.key.advance(earliest, progress)?;
+        let let_go = LetGo { written, earliest };
+        if damped_s + HOME_S > begins_s {
+            return Ok(Ready::Held(let_go));
+        }
+        self.key.flush_rows(self.sink, false)?;
+        let mark = self.key.mark();
+        let left = release(&mut self.key, &mut self.touches, off_s, release_m_per_s, progress)?;
+        Ok(Ready::Near(Box::new(Before { mark, left, let_go })))
     }
 
     /// The result of the last note up to this instant, s, when the next hand begins or the piece ends.

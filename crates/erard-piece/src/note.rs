@@ -67,7 +67,7 @@ pub enum Reason {
     NoTime,
     /// The note is within 40 ms of the key's last stroke and was not tried.
     TooSoon,
-    /// No hand up to 100 N plays the key this loudly from its state.
+    /// No hand up to 100 N plays the key this loudly from rest.
     TooLoud {
         /// The hammer's speed at the string that the hand reached, m/s.
         reached_m_per_s: f64,
@@ -80,11 +80,13 @@ pub enum Reason {
         /// m.
         swing_m: f64,
     },
+    /// The search found no better hand, and nothing of the key's state explains it.
+    NotFound,
 }
 
 impl Reason {
     /// Names in counts, in the order of [`Summary::reasons`].
-    pub const NAMES: [&str; 9] = [
+    pub const NAMES: [&str; 10] = [
         "key not back",
         "jack not under the knuckle",
         "hammer not down",
@@ -94,6 +96,7 @@ impl Reason {
         "louder than a hand can play it",
         "softer than a hand can play it",
         "string still sounding",
+        "no better hand was found",
     ];
 
     /// Its place in [`Reason::NAMES`].
@@ -108,6 +111,7 @@ impl Reason {
             Reason::TooLoud { .. } => 6,
             Reason::TooSoft => 7,
             Reason::StringSounds { .. } => 8,
+            Reason::NotFound => 9,
         }
     }
 }
@@ -227,6 +231,9 @@ impl Played {
         let mut reasons = if is_of_stroke { Vec::new() } else { self.reasons.clone() };
         if faults.contains(&Fault::Twice) && !self.checked && !reasons.contains(&Reason::NotChecked) {
             reasons.push(Reason::NotChecked);
+        }
+        if reasons.is_empty() && faults != [Fault::Twice] {
+            reasons.push(Reason::NotFound);
         }
         reasons
     }

@@ -23,6 +23,14 @@ const PATIENCE_S: f64 = 0.3;
 /// Number of trials of a release; one with a written speed gets more.
 const TRIALS: [u32; 2] = [3, 6];
 
+/// How a hand left a key.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Left {
+    /// The step in which it began to leave.
+    pub leaves: u64,
+    pub way: Way,
+}
+
 /// Releases a key from its present state, for its damper to be down at an instant, s, its front coming up so fast, m/s,
 /// where the piece says so. Afterwards the damper is down, or the key was not.
 pub(crate) fn release(
@@ -31,7 +39,7 @@ pub(crate) fn release(
     off_s: f64,
     speed_m_per_s: Option<f64>,
     progress: &mut Progress<'_>,
-) -> Result<(), PerformError> {
+) -> Result<Left, PerformError> {
     let speed = speed_m_per_s.filter(|speed| *speed > 0.0);
     let mut within_s = speed.map_or(Way::USUAL.within_s, |speed| touches.way_of(speed));
     let mut lag_s = touches.lag_s(within_s);
@@ -40,21 +48,23 @@ pub(crate) fn release(
     let earliest = key.step_at(off_s - lag_s - guard_s).max(key.now());
     key.advance(earliest, progress)?;
     let mark = key.mark();
+    let mut left = Left { leaves: earliest, way: Way { within_s } };
     for trial in 0..TRIALS[usize::from(speed.is_some())] {
         if trial > 0 {
             key.back_to(&mark)?;
         }
         let leaves = key.step_at(off_s - lag_s).max(earliest);
         key.advance(leaves, progress)?;
-        key.hand.leave(leaves, key.h(), Way { within_s });
+        left = Left { leaves, way: Way { within_s } };
+        key.hand.leave(leaves, key.h(), left.way);
         if key.reading().key_m <= key.damper_m() {
-            return Ok(());
+            break;
         }
         let (before, until) = (key.ups.len(), leaves + key.step_at(within_s + PATIENCE_S));
         while key.ups.len() == before && key.now() < until {
             key.step(progress)?;
         }
-        let Some(&[at_s, came_m_per_s]) = key.ups.get(before) else { return Ok(()) };
+        let Some(&[at_s, came_m_per_s]) = key.ups.get(before) else { break };
         lag_s = at_s - leaves as f64 * key.h();
         touches.learn_way(within_s, lag_s, came_m_per_s);
         let in_time = (at_s - off_s).abs() <= CLOSE_S || (leaves == earliest && at_s > off_s);
@@ -65,9 +75,9 @@ pub(crate) fn release(
                 lag_s += 0.5 * (next_s - within_s);
                 within_s = next_s;
             }
-            _ if in_time => return Ok(()),
+            _ if in_time => break,
             _ => {}
         }
     }
-    Ok(())
+    Ok(left)
 }

@@ -30,8 +30,8 @@ pub(crate) struct Outcome {
     pub struck: Option<[f64; 2]>,
     /// Lateness, s.
     pub late_s: f64,
-    /// Whether the key was home, so that the hand's beginning does not matter to what it does.
-    pub from_home: bool,
+    /// Whether the key is in this state whenever the hand begins: at home, or so long after its release.
+    pub is_alike: bool,
 }
 
 /// The search from trial to trial.
@@ -76,7 +76,7 @@ impl Seek {
         }
         self.tried += 1;
         // A bracket that has not closed by now holds no answer: a pedal moves while the key is pressed, say.
-        let is_bracketed = found.from_home && self.tried <= MAX_BRACKETED;
+        let is_bracketed = found.is_alike && self.tried <= MAX_BRACKETED;
         let next = if is_bracketed { self.between(found) } else { self.along(found) };
         let force_n = next.force_n.clamp(FORCES_N[0], FORCES_N[1]);
         let is_new =
@@ -84,8 +84,8 @@ impl Seek {
         is_new.then_some(Hand { force_n, takes_s: next.takes_s })
     }
 
-    /// From home more force is more speed: the speed is bracketed, and the hand begins as long before as the last one
-    /// took.
+    /// From one state more force is more speed: the speed is bracketed, and the hand begins as long before as the last
+    /// one took.
     fn between(&mut self, found: &Outcome) -> Hand {
         let Hand { force_n, takes_s } = found.tried;
         let [took_s, speed] = found.struck.unwrap_or([takes_s, 0.0]);

@@ -54,7 +54,7 @@ fn a_sounding_string_meets_the_hammer() {
     let pedals = vec![foot(0.1, SUSTAIN, 127)];
     let notes = [0.0, 0.02, 0.04, 0.06].into_iter().enumerate().flat_map(|(i, later_s)| {
         let at_s = 0.5 + 3.0 * i as f64;
-        [note(30, at_s, at_s + 0.25, 98), note(30, at_s + 0.47 + later_s, at_s + 1.0, 30)]
+        [note(30, at_s, at_s + 0.1, 98), note(30, at_s + 0.47 + later_s, at_s + 1.0, 30)]
     });
     let performance = kept(&score(notes.collect(), pedals), &STRINGS, &Options::default()).0;
     let soft = performance.notes.iter().skip(1).step_by(2).filter(|note| !note.faults().is_empty());
