@@ -64,6 +64,11 @@ impl Inputs {
         self.beginning(path, MAX_LIBRARY_BYTES).map_err(|error| error.to_string())
     }
 
+    /// Remembers standard input, where it is a file.
+    pub(crate) fn standard_input(&mut self) {
+        self.read.extend(Handle::stdin().ok());
+    }
+
     /// Remembers a file that somebody else reads for this session.
     pub(crate) fn remember(&mut self, path: &Path) {
         if let Ok(handle) = handle(path) {

@@ -2,7 +2,7 @@
 //! share one mechanism; each key has its own state. A key at rest takes no step.
 
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
-use erard_midi::{Event, Law, Message, Pedal, ReleaseLaw, Resolution, note_of_key};
+use erard_midi::{Event, Law, Message, Pedal, ReleaseLaw, Resolution, Velocity, note_of_key};
 use moreau::{
     GROUND, ImpactPredictor, Model, ModelError, RIGID_CORRECTION, Scalar, Settings, SiteHand, SiteInput, Sleep, State,
     StepOutcome, TrackedPoint, Vector, Workspace, vector::dot,
@@ -144,7 +144,11 @@ fn message(note: u8, event: Event, resolution: Resolution) -> Message {
             Message::note_on(0, note, Law::GOEBL.velocity(hammer_speed_m_per_s), resolution)
         }
         Event::Off { release_m_per_s, .. } => {
-            Message::note_off(0, note, ReleaseLaw::USUAL.velocity(release_m_per_s), resolution)
+            // A release that nobody saw has the velocity of senders that measure none.
+            let unseen = (Velocity::of_seven_bits(64), Resolution::SevenBits);
+            let seen = |m_per_s: f64| (ReleaseLaw::USUAL.velocity(m_per_s), resolution);
+            let (velocity, resolution) = release_m_per_s.map_or(unseen, seen);
+            Message::note_off(0, note, velocity, resolution)
         }
     }
 }

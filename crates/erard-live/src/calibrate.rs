@@ -85,6 +85,22 @@ pub fn stops(readings: &BTreeMap<usize, Readings>) -> Result<BTreeMap<usize, Fou
     readings.iter().map(|(key, one)| Ok((*key, of_key(*key, &one.all)?))).collect()
 }
 
+/// Keys whose range of readings is unlike that of the others, with its ratio to the median of all: less than two thirds
+/// of it, more than one and a half times as much, or of the other sign. None of fewer than three keys. Sensors of one
+/// kind differ by less; a key that was not pressed to its bottom, or a sensor that sits elsewhere, by more.
+#[must_use]
+pub fn unlike(found: &BTreeMap<usize, Found>) -> Vec<(usize, f64)> {
+    let range = |one: &Found| one.stops.pressed - one.stops.rest;
+    let mut all: Vec<f64> = found.values().map(range).collect();
+    all.sort_by(f64::total_cmp);
+    if all.len() < 3 {
+        return Vec::new();
+    }
+    let middle = all[all.len() / 2];
+    let ratios = found.iter().map(|(key, one)| (*key, range(one) / middle));
+    ratios.filter(|(_, ratio)| !(2.0 / 3.0..=1.5).contains(ratio)).collect()
+}
+
 fn of_key(key: usize, all: &[[f64; 2]]) -> Result<Found, StopsFault> {
     let few = StopsFault::Few { key, found: all.len() };
     let ([first_s, _], [last_s, _]) = match (all.first(), all.last()) {

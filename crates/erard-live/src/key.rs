@@ -42,8 +42,8 @@ pub(crate) enum KeyEvent {
     Kept([f64; 2], [f64; 2], f64),
     /// An announced impact did not happen: instant at which this is known, s.
     False(f64),
-    /// The key set its damper down: instant, s, and speed on its way up, m/s.
-    Released(f64, f64),
+    /// The key set its damper down: instant, s, and speed on its way up, m/s, where it was seen.
+    Released(f64, Option<f64>),
 }
 
 impl Steps<f64> for Action {
@@ -93,6 +93,7 @@ fn input(push: &Push<f64>) -> Input {
 /// Compares impacts with their announcements.
 struct Announcing<'a> {
     announced: &'a mut Option<Announced>,
+    steps: &'a mut u64,
     tell: &'a mut dyn FnMut(KeyEvent),
 }
 
@@ -108,6 +109,7 @@ impl Listen for Announcing<'_> {
     }
 
     fn stepped(&mut self, now_s: f64) {
+        *self.steps += 1;
         if self.announced.is_some_and(|announced| announced.is_false(now_s)) {
             self.let_go(now_s);
         }
@@ -135,6 +137,8 @@ pub(crate) struct Key {
     looked: Option<(f64, Option<[f64; 2]>)>,
     /// Instant since when all predictions agree, s.
     agreed_since_s: Option<f64>,
+    /// Steps taken.
+    pub(crate) steps: u64,
 }
 
 impl Key {
@@ -154,6 +158,7 @@ impl Key {
             announced: None,
             looked: None,
             agreed_since_s: None,
+            steps: 0,
         })
     }
 
@@ -185,7 +190,7 @@ impl Key {
     pub(crate) fn take(&mut self, to: [f64; 2], tell: &mut dyn FnMut(KeyEvent)) -> bool {
         let [t1, x1] = to;
         let (last, period_s) = (self.sensed.last, self.sensed.period_s);
-        let mut listen = Announcing { announced: &mut self.announced, tell };
+        let mut listen = Announcing { announced: &mut self.announced, steps: &mut self.steps, tell };
         if !self.sensed.take((t1, x1), &mut self.action, &mut listen) {
             return false;
         }
@@ -211,9 +216,15 @@ impl Key {
 
     /// Treats the sensor as being at rest from now on, and follows the key until it has come to rest.
     pub(crate) fn let_go(&mut self, now_s: f64, tell: &mut dyn FnMut(KeyEvent)) {
-        let mut listen = Announcing { announced: &mut self.announced, tell };
+        let mut listen = Announcing { announced: &mut self.announced, steps: &mut self.steps, tell };
         self.sensed.let_go(now_s, &mut self.action, &mut listen);
         self.recent.clear();
+    }
+
+    /// Sets the clock of a key that was let go ahead to an instant, s.
+    pub(crate) fn jump(&mut self, to_s: f64) {
+        self.sensed.jump(to_s);
+        (self.looked, self.agreed_since_s) = (None, None);
     }
 
     /// Predicts the impact, continuing the key's motion from its last samples.

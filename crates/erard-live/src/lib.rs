@@ -22,6 +22,8 @@ pub mod board;
 pub mod cable;
 #[cfg(feature = "std")]
 pub mod calibrate;
+#[cfg(feature = "std")]
+mod clock;
 pub mod converter;
 mod drive;
 #[cfg(feature = "std")]

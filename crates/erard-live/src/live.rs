@@ -9,6 +9,7 @@ use erard::keyboard::KEYS;
 use erard_midi::{Law, ReleaseLaw, Velocity, message};
 use erard_workshop::cores;
 
+use crate::clock::{APART_S, Clock, Taken};
 use crate::drive::SensorKind;
 use crate::error::LiveError;
 use crate::key::{Key, KeyEvent};
@@ -63,8 +64,9 @@ pub enum Event {
         key: usize,
         /// When, s.
         time_s: f64,
-        /// Release velocity of the key.
-        release: Velocity,
+        /// Release velocity of the key; `None` where nobody saw it come up: the stream ended, stalled or has a gap, or
+        /// an announced impact did not happen.
+        release: Option<Velocity>,
     },
     /// A pedal.
     Pedal {
@@ -87,7 +89,12 @@ pub struct Live {
     pedals: [(u8, erard_midi::Pedal); 3],
     options: Options,
     begins_s: Option<f64>,
+    clock: Clock,
+    /// What is added to the stream's instants, s, so that they ascend over a new clock.
+    shift_s: f64,
     now_s: f64,
+    /// Lowest and highest travel of a key's front, m, or force, N.
+    extremes: [f64; 2],
     seen: Seen,
     leads: Leads,
     report: Report,
@@ -134,7 +141,10 @@ impl Live {
             pedals: [pedal(message::SUSTAIN), pedal(message::SOSTENUTO), pedal(message::SOFT)],
             options,
             begins_s: None,
+            clock: Clock::default(),
+            shift_s: 0.0,
             now_s: 0.0,
+            extremes: [f64::INFINITY, f64::NEG_INFINITY],
             seen: Seen::default(),
             leads: Leads::default(),
             report: Report::default(),
@@ -159,11 +169,45 @@ impl Live {
         self.keys.iter().flatten().all(Key::is_up)
     }
 
-    /// Takes a sample and returns the resulting events.
+    /// Takes a sample and returns the resulting events. A stamp more than a second from its neighbours is dropped.
+    /// Where the stream has a gap of more than a second, or its clock begins anew, held notes end, and nothing is
+    /// simulated meanwhile; instants go on a second after the last ones where a new clock goes back.
     pub fn take(&mut self, sample: &Sample, give: &mut dyn FnMut(Event)) {
+        match self.clock.take(sample) {
+            Taken::Waits => {}
+            Taken::Next => self.take_next(sample, give),
+            Taken::Jump(samples) => {
+                samples.first().into_iter().for_each(|first| self.jump(first.time_s, give));
+                samples.iter().for_each(|sample| self.take_next(sample, give));
+            }
+        }
+    }
+
+    /// Begins a new clock with the next sample: the sender has begun anew.
+    pub fn restart(&mut self) {
+        self.clock.restart();
+    }
+
+    /// Jumps to an instant of the stream, s.
+    fn jump(&mut self, to_s: f64, give: &mut dyn FnMut(Event)) {
+        self.end_notes(give);
+        let time_s = to_s - self.begins_s() + self.shift_s;
+        let next_s = self.now_s + APART_S;
+        if time_s < next_s {
+            self.report.new_clocks += 1;
+            // The first key may have begun to move a period before.
+            self.shift_s += next_s + 0.01 - time_s;
+        } else {
+            self.report.stream_gaps += 1;
+        }
+        let time_s = time_s.max(next_s + 0.01);
+        self.keys.iter_mut().flatten().for_each(|key| key.jump(time_s - 0.01));
+    }
+
+    fn take_next(&mut self, sample: &Sample, give: &mut dyn FnMut(Event)) {
         // The first key may have begun to move a period before.
         let begins_s = *self.begins_s.get_or_insert(sample.time_s - 0.01);
-        let time_s = sample.time_s - begins_s;
+        let time_s = sample.time_s - begins_s + self.shift_s;
         if time_s < 0.0 {
             self.report.out_of_order += 1;
             return;
@@ -174,7 +218,7 @@ impl Live {
                 self.report.samples += 1;
                 let own = self.pedals.iter_mut().find(|(own, _)| *own == controller);
                 if let Some(value) = own.and_then(|(_, pedal)| pedal.update(sample.value)) {
-                    give(Event::Pedal { controller, time_s: sample.time_s, value });
+                    give(Event::Pedal { controller, time_s: begins_s + time_s, value });
                 }
             }
             Of::Key(number) => self.take_key(number, time_s, sample.value, give),
@@ -186,7 +230,8 @@ impl Live {
             self.report.uncalibrated += 1;
             return;
         };
-        let Live { keys, leads, report, seen, begins_s, .. } = self;
+        let Live { keys, leads, report, seen, begins_s, extremes: [low, high], .. } = self;
+        (*low, *high) = (low.min(value), high.max(value));
         let Some(key) = keys[number - 1].as_mut() else { return };
         let (before, begins_s) = (key.value(), begins_s.unwrap_or(0.0));
         if !key.take([time_s, value], &mut teller(number, begins_s, begins_s + time_s, leads, report, give)) {
@@ -219,16 +264,23 @@ impl Live {
 
     /// Ends the stream: releases all keys and ends sounding notes.
     pub fn let_go(&mut self, give: &mut dyn FnMut(Event)) {
+        self.clock.drop_waiting();
+        self.end_notes(give);
+        let ends_s = self.begins_s() + self.now_s;
+        for (controller, pedal) in &mut self.pedals {
+            if let Some(value) = pedal.update(0.0) {
+                give(Event::Pedal { controller: *controller, time_s: ends_s, value });
+            }
+        }
+    }
+
+    /// Releases all keys, whose notes end.
+    fn end_notes(&mut self, give: &mut dyn FnMut(Event)) {
         let Live { keys, leads, report, begins_s, now_s, .. } = self;
         let begins_s = begins_s.unwrap_or(0.0);
         for (index, key) in keys.iter_mut().enumerate() {
             let Some(key) = key else { continue };
             key.let_go(*now_s, &mut teller(index + 1, begins_s, begins_s + *now_s, leads, report, give));
-        }
-        for (controller, pedal) in &mut self.pedals {
-            if let Some(value) = pedal.update(0.0) {
-                give(Event::Pedal { controller: *controller, time_s: begins_s + *now_s, value });
-            }
         }
     }
 
@@ -236,6 +288,38 @@ impl Live {
     pub fn stalled(&mut self, give: &mut dyn FnMut(Event)) {
         self.report.stalls += 1;
         self.let_go(give);
+    }
+
+    /// Why there is no note, where there is none; `dip_m` is a key's dip, m.
+    fn silence(&self, dip_m: f64) -> Option<String> {
+        let [low, high] = self.extremes;
+        if self.report.note_ons > 0 || self.report.samples == 0 || low > high {
+            return None;
+        }
+        let is_mm = self.options.quantity == SensorUnit::Millimetres;
+        let [low_mm, high_mm, dip_mm] = [low, high, dip_m].map(|m| 1e3 * m);
+        let up_mm = -low_mm;
+        Some(match self.options.quantity {
+            SensorUnit::Newtons if high <= 0.0 && low < 0.0 => {
+                format!("forces go to {low:.1} N: is the sign inverted? A force downward is positive")
+            }
+            SensorUnit::Newtons => format!("no force threw a hammer to its string; the largest is {high:.2} N"),
+            _ if high_mm < 0.3 * dip_mm && up_mm > 0.3 * dip_mm => format!(
+                "keys move {up_mm:.1} mm above their rest: is the sign inverted? Travel is positive as the key goes down"
+            ),
+            _ if is_mm && (3.0..30.0).contains(&(1e3 * high_mm)) => {
+                format!("the largest travel is {high_mm:.4} mm: are these metres? Expected mm, to {dip_mm:.1}")
+            }
+            _ if high_mm > 1.5 * dip_mm => format!(
+                "keys move past their stops, to {high_mm:.1} mm of {dip_mm:.1}: is that the unit, and is it calibrated?"
+            ),
+            _ if high_mm < 0.75 * dip_mm => {
+                format!("no key goes deep enough: the largest travel is {high_mm:.2} mm of {dip_mm:.1}")
+            }
+            _ => {
+                format!("no key goes down fast enough to throw its hammer to the string; the deepest, {high_mm:.1} mm")
+            }
+        })
     }
 
     /// Counts of the stream so far.
@@ -253,6 +337,9 @@ impl Live {
         let bits = self.seen.bits(dip_m).filter(|_| self.options.quantity != SensorUnit::Newtons);
         Report {
             duration_s: self.now_s,
+            dropped_stamps: self.clock.dropped,
+            steps: keys().map(|(_, key)| key.steps).sum(),
+            silence: self.silence(dip_m),
             limited_strokes: sum(&|c| u64::from(c.fast_strokes)),
             limited_steps: sum(&|c| c.fast_steps),
             deep_samples: sum(&|c| c.deep_samples),
@@ -289,10 +376,10 @@ fn teller<'a>(
             hammer_speed_m_per_s,
             velocity: Law::GOEBL.velocity(hammer_speed_m_per_s),
         };
-        let off = |time_s: f64, m_per_s: f64| Event::Off {
+        let off = |time_s: f64, m_per_s: Option<f64>| Event::Off {
             key,
             time_s: begins_s + time_s,
-            release: ReleaseLaw::USUAL.velocity(m_per_s),
+            release: m_per_s.map(|m_per_s| ReleaseLaw::USUAL.velocity(m_per_s)),
         };
         match told {
             KeyEvent::Struck(time_s, speed) => {
@@ -308,10 +395,11 @@ fn teller<'a>(
             KeyEvent::False(time_s) => {
                 report.false_announcements += 1;
                 report.note_offs += 1;
-                give(off(time_s, 0.0));
+                give(off(time_s, None));
             }
             KeyEvent::Released(time_s, speed) => {
                 report.note_offs += 1;
+                report.unseen_releases += u64::from(speed.is_none());
                 give(off(time_s, speed));
             }
         }

@@ -12,6 +12,18 @@ pub struct Report {
     pub samples: u64,
     /// Samples that did not come after the last one of their key: left out.
     pub out_of_order: u64,
+    /// Samples whose stamp is more than a second from those of their neighbours: left out.
+    pub dropped_stamps: u64,
+    /// Gaps of more than a second in the stream of all keys: held notes ended.
+    pub stream_gaps: u64,
+    /// Times that the sender's clock began anew: held notes ended.
+    pub new_clocks: u64,
+    /// Releases that nobody saw: the stream ended, stalled or had a gap.
+    pub unseen_releases: u64,
+    /// Why there is no note, where there is none.
+    pub silence: Option<String>,
+    /// Steps of all keys.
+    pub steps: u64,
     /// Samples of keys that have no calibration: left out.
     pub uncalibrated: u64,
     /// Note-ons and note-offs, cancelled ones among them.

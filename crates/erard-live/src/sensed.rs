@@ -63,6 +63,38 @@ pub trait Listen {
     }
 }
 
+/// Passes events on; releases were not seen.
+struct Unseen<'a, L>(&'a mut L);
+
+impl<L: Listen> Unseen<'_, L> {
+    fn end(&mut self, notes: &mut KeyNotes, time_s: f64) {
+        if notes.end() {
+            self.0.note(Event::Off { time_s, release_m_per_s: None });
+        }
+    }
+}
+
+impl<L: Listen> Listen for Unseen<'_, L> {
+    fn note(&mut self, event: Event) {
+        self.0.note(match event {
+            Event::Off { time_s, .. } => Event::Off { time_s, release_m_per_s: None },
+            on @ Event::On { .. } => on,
+        });
+    }
+
+    fn stepped(&mut self, now_s: f64) {
+        self.0.stepped(now_s);
+    }
+
+    fn waits(&self) -> bool {
+        self.0.waits()
+    }
+
+    fn let_go(&mut self, at_s: f64) {
+        self.0.let_go(at_s);
+    }
+}
+
 impl<F: FnMut(Event)> Listen for F {
     fn note(&mut self, event: Event) {
         self(event);
@@ -220,18 +252,28 @@ impl<T: Scalar, const W: usize> SensedKey<T, W> {
         true
     }
 
-    /// Treats the sensor as being at rest from now on, and follows the key until it has come to rest.
+    /// Treats the sensor as being at rest from now on, and follows the key until it has come to rest. Its note ends
+    /// now: nobody sees the key come up.
     pub fn let_go(&mut self, now_s: f64, action: &mut impl Steps<T>, listen: &mut impl Listen) {
         let from_s = now_s.max(self.now_s());
-        self.rest(from_s + HOME_S, action, listen);
+        let mut unseen = Unseen(listen);
+        unseen.end(&mut self.notes, from_s);
+        // A key that was let go before is followed no longer.
+        let home_s = from_s.max(now_s + HOME_S);
+        self.rest(home_s, action, &mut unseen);
         // Whatever holds the key down: no note is left.
-        listen.let_go(from_s + HOME_S);
-        if self.notes.end() {
-            listen.note(Event::Off { time_s: from_s + HOME_S, release_m_per_s: 0.0 });
-        }
+        unseen.let_go(home_s);
+        unseen.end(&mut self.notes, home_s);
         self.waiting.count = 0;
         self.last = self.last.map(|_| (from_s, T::ZERO));
         self.way = None;
+    }
+
+    /// Sets the clock of a key that was let go ahead to an instant, s. Nothing is simulated.
+    pub fn jump(&mut self, to_s: f64) {
+        self.n = self.n.max((to_s / self.h) as u64);
+        (self.last, self.reached) = (None, None);
+        self.same_since_s = to_s;
     }
 
     pub(crate) fn is_pressed(&self, value: T) -> bool {

@@ -9,8 +9,9 @@
 //! The header names the clock (`time_s`, or `time_us` of 32 bits that wraps around) and the sensed quantity: `mm` of
 //! the sensed place, `N` at the key's front, `raw` readings of a converter, or `pressure`, the polyphonic pressure 0 to
 //! 127 of a device that uses it for depth. A key is a number from 1 (the lowest A) to 88, or a note (`A0`); `sustain`,
-//! `sostenuto` and `soft` are pedals, from 0 (up) to 1 (down). Times do not descend. A sender may omit keys at rest; it
-//! sends a key off its rest at the full rate. Blank lines and lines that begin with `#` are left out.
+//! `sostenuto` and `soft` are pedals, from 0 (up) to 1 (down). Times do not descend; a header in between begins a new
+//! clock. A sender may omit keys at rest; it sends a key off its rest at the full rate. Blank lines and lines that
+//! begin with `#` are left out.
 
 use erard::keyboard::key_named;
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
@@ -128,15 +129,20 @@ impl Head {
 #[derive(Debug, Clone)]
 pub struct Reader {
     head: Head,
-    before_us: f64,
-    wraps_us: f64,
+    before_us: Option<f64>,
+    has_restarted: bool,
 }
 
 impl Reader {
     /// Makes a reader for the lines after a header.
     #[must_use]
     pub fn new(head: Head) -> Self {
-        Reader { head, before_us: 0.0, wraps_us: 0.0 }
+        Reader { head, before_us: None, has_restarted: false }
+    }
+
+    /// Whether the header has come again since the last question: the sender has begun anew.
+    pub fn take_restart(&mut self) -> bool {
+        std::mem::take(&mut self.has_restarted)
     }
 
     /// Sensed quantity.
@@ -152,6 +158,12 @@ impl Reader {
     pub fn line(&mut self, line: &str) -> Result<Option<Sample>, Fault> {
         let line = line.trim();
         if line.is_empty() || line.starts_with('#') {
+            return Ok(None);
+        }
+        if let Ok(head) = Head::parse(line)
+            && head.quantity == self.head.quantity
+        {
+            *self = Reader { has_restarted: true, ..Reader::new(head) };
             return Ok(None);
         }
         let mut fields = line.split(',').map(str::trim);
@@ -174,13 +186,13 @@ impl Reader {
         Ok(Some(Sample { time_s, of, value }))
     }
 
-    /// A clock of 32 bits goes on where it wraps around.
+    /// The instant of a clock of 32 bits that is nearest to the last one: it goes on where it wraps around, and a stamp
+    /// that is wrong changes nothing for the next.
     fn unwrapped_s(&mut self, time_us: f64) -> f64 {
         const WRAP_US: f64 = 4_294_967_296.0;
-        if time_us < self.before_us - 0.5 * WRAP_US {
-            self.wraps_us += WRAP_US;
-        }
-        self.before_us = time_us;
-        1e-6 * (time_us + self.wraps_us)
+        let before_us = self.before_us.unwrap_or(time_us);
+        let now_us = time_us + WRAP_US * ((before_us - time_us) / WRAP_US).round();
+        self.before_us = Some(now_us);
+        1e-6 * now_us
     }
 }

@@ -14,8 +14,8 @@ pub enum Event {
     Off {
         /// Instant, s.
         time_s: f64,
-        /// Speed of the key's front on its way up there, m/s, up positive.
-        release_m_per_s: f64,
+        /// Speed of the key's front on its way up there, m/s, up positive; `None` where nobody saw it come up.
+        release_m_per_s: Option<f64>,
     },
 }
 
@@ -101,7 +101,7 @@ impl KeyNotes {
 
     /// The note's end, if there is a note.
     fn ended(&mut self, time_s: f64) -> Option<Event> {
-        let off = Event::Off { time_s, release_m_per_s: self.release_m_per_s };
+        let off = Event::Off { time_s, release_m_per_s: Some(self.release_m_per_s) };
         self.end().then_some(off)
     }
 }

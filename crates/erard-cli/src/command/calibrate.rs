@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use erard_live::calibrate::{Found, Readings, stops};
+use erard_live::calibrate::{Found, Readings, stops, unlike};
 use erard_live::profile::Profile;
 use erard_live::sensor::Law;
 use erard_live::stream::{Head, Of, Reader, SensorUnit};
@@ -142,7 +142,9 @@ impl Calibrate {
                 })
             })
             .collect();
-        Answer::of(&json!({"law": self.sensor_law, "travel_mm": self.travel, "keys": keys}))
+        let unlike: Vec<_> =
+            unlike(found).into_iter().map(|(key, ratio)| json!({"key": key, "range_to_median": ratio})).collect();
+        Answer::of(&json!({"law": self.sensor_law, "travel_mm": self.travel, "keys": keys, "unlike": unlike}))
     }
 
     fn tell(&self, session: &mut Session, found: &BTreeMap<usize, Found>) {
@@ -161,6 +163,10 @@ impl Calibrate {
             })
             .collect();
         print_line!(session, "{}", Table::of(["key", "rest", "pressed", "noise, %", "drift, %"], rows));
+        for (key, ratio) in unlike(found) {
+            let what = "was it pressed to its bottom, and is its sensor like the others?";
+            print_line!(session, "key {key}: its range is {ratio:.2} of the median of all keys; {what}");
+        }
     }
 }
 

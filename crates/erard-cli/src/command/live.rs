@@ -154,6 +154,7 @@ impl Live {
     /// The stream, and whether it is a file, whose lines come as fast as they are read.
     fn input(&self, session: &mut Session) -> Result<(Box<dyn Read + Send>, bool), Failure> {
         if self.stream == Path::new("-") {
+            session.inputs.standard_input();
             return Ok((Box::new(io::stdin()), false));
         }
         let unread = |error| Failure::Usage(format!("{}: cannot be read: {error}", self.name()));
@@ -273,6 +274,10 @@ impl Live {
             waits = false;
             heard.line += 1;
             match reader.line(&line.text) {
+                Ok(None) if reader.take_restart() => {
+                    clock = Clock::new();
+                    keys.restart();
+                }
                 Ok(None) => {}
                 Ok(Some(sample)) => {
                     clock.came(sample.time_s, line.came);
@@ -394,7 +399,7 @@ impl Live {
             output.stage(session, &name, |writer| writer.write_all(&bytes))?;
             answer = answer.files(&output.commit(session)?);
         }
-        if let Some(notes) = wire.notes() {
+        if let Some(notes) = wire.notes(self.velocity_bits) {
             let (mut output, name) = self.staged(session)?;
             output.table(session, &name, &notes)?;
             answer = answer.files(&output.commit(session)?);

@@ -49,12 +49,19 @@ impl StreamSummary {
         counted(r.limited_strokes, "strokes limited, whose hammers would have been faster than 8 m/s");
         counted(r.deep_samples, "samples deeper than the key goes");
         counted(r.out_of_order, "samples skipped: not later than their key's last one");
+        counted(r.dropped_stamps, "samples skipped: stamps more than 1 s from their neighbours'");
+        counted(r.stream_gaps, "gaps of more than 1 s in the whole stream: held notes ended");
+        counted(r.new_clocks, "new clocks, a header or stamps that go back: held notes ended");
+        counted(r.unseen_releases, "note-offs whose release was not seen: sent as 64");
         counted(r.uncalibrated, "samples skipped: their keys have no stops in the calibration");
         counted(r.gaps, "gaps of 0.1 s or more while the key was off its rest");
         counted(r.stalls, "stalls: all keys were let go");
         counted(r.drifts_beyond, "drifts beyond 15 % of a sensor's range");
         counted(r.non_finite_steps, "steps in which a number was not finite");
         counted(r.false_announcements, "announced impacts that did not come: ended at once");
+        if let Some(why) = &r.silence {
+            lines.push(format!("  no notes: {why}"));
+        }
         if let Some((line, what)) = &self.first_malformed {
             lines.push(format!("  {} lines left out; the first, line {line}: {what}", self.malformed));
         }

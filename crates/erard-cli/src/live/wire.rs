@@ -29,6 +29,15 @@ impl Bits {
     pub(crate) fn resolution(self) -> Resolution {
         if self == Bits::Fourteen { Resolution::FourteenBits } else { Resolution::SevenBits }
     }
+
+    /// A velocity as it is sent, in counts.
+    fn sent(self, velocity: Velocity) -> f64 {
+        match self {
+            Bits::Seven => f64::from(velocity.seven_bits()),
+            Bits::Fourteen => Velocity::of_fourteen_bits(velocity.fourteen_bits()).counts(),
+            Bits::Sixteen => Velocity::of_sixteen_bits(velocity.sixteen_bits()).counts(),
+        }
+    }
 }
 
 /// What takes bytes.
@@ -55,7 +64,7 @@ impl Sounding {
         for key in 1..=KEYS {
             for _ in 0..std::mem::take(&mut open.sounding[key - 1]) {
                 // Nobody is left to tell.
-                let _ = open.off(key, Velocity::of_seven_bits(64)).and_then(|bytes| open.sink.write_all(&bytes).ok());
+                let _ = open.off(key, None).and_then(|bytes| open.sink.write_all(&bytes).ok());
             }
         }
         let _ = open.sink.flush();
@@ -67,11 +76,14 @@ impl Sounding {
 }
 
 impl Open {
-    fn off(&self, key: usize, release: Velocity) -> Option<Vec<u8>> {
+    /// A note-off; 64, without more bits, where nobody saw the release.
+    fn off(&self, key: usize, release: Option<Velocity>) -> Option<Vec<u8>> {
         let note = note_of_key(key)?;
+        let unseen = (Velocity::of_seven_bits(64), Resolution::SevenBits);
+        let (velocity, resolution) = release.map_or(unseen, |release| (release, self.bits.resolution()));
         Some(match self.bits {
-            Bits::Sixteen => Packet::note_off(0, self.channel, note, release).bytes().to_vec(),
-            bits => Message::note_off(self.channel, note, release, bits.resolution()).bytes().to_vec(),
+            Bits::Sixteen => Packet::note_off(0, self.channel, note, velocity).bytes().to_vec(),
+            _ => Message::note_off(self.channel, note, velocity, resolution).bytes().to_vec(),
         })
     }
 
@@ -123,8 +135,8 @@ struct Row {
     time_s: f64,
     hammer_speed_m_per_s: f64,
     velocity: Velocity,
-    /// When it ended, s, and the release's velocity.
-    ended: Option<(f64, Velocity)>,
+    /// When it ended, s, and the release's velocity, where it was seen.
+    ended: Option<(f64, Option<Velocity>)>,
 }
 
 /// Where events go: bytes to a sink at once, or a file.
@@ -205,7 +217,7 @@ impl Wire {
                 let end = |note: Note| {
                     // The file's ticks are a twentieth of a millisecond.
                     let end_s = (time_s - begins_s).max(note.start_s + 1e-4);
-                    Note { end_s, release: Some(release), ..note }
+                    Note { end_s, release, ..note }
                 };
                 piece.notes.extend(open[key - 1].take().map(end));
             }
@@ -215,18 +227,22 @@ impl Wire {
         }
     }
 
-    /// The notes, where they are a table: instants on the stream's clock.
-    pub(crate) fn notes(&mut self) -> Option<Table<'static>> {
+    /// The notes, where they are a table: instants on the stream's clock, to a microsecond, speeds to a tenth of a
+    /// millimetre per second, velocities as they would be sent with these bits.
+    pub(crate) fn notes(&mut self, bits: Bits) -> Option<Table<'static>> {
         let rows = self.rows.take().filter(|_| self.piece.is_none())?;
         let number = |of: &dyn Fn(&Row) -> Option<f64>| rows.iter().map(of).collect::<Vec<_>>();
         let table = Table::default()
             .optional("key", number(&|row| Some(row.key as f64)))
             .words("name", rows.iter().map(|row| note_name(row.key)))
-            .optional("time_s", number(&|row| Some(row.time_s)))
-            .optional("hammer_speed_m_per_s", number(&|row| Some(row.hammer_speed_m_per_s)))
-            .optional("velocity", number(&|row| Some(row.velocity.counts())))
-            .optional("release_s", number(&|row| row.ended.map(|(at_s, _)| at_s)))
-            .optional("release_velocity", number(&|row| row.ended.map(|(_, release)| release.counts())));
+            .optional("time_s", number(&|row| Some(rounded(row.time_s, 1e6))))
+            .optional("hammer_speed_m_per_s", number(&|row| Some(rounded(row.hammer_speed_m_per_s, 1e4))))
+            .optional("velocity", number(&|row| Some(bits.sent(row.velocity))))
+            .optional("release_s", number(&|row| row.ended.map(|(at_s, _)| rounded(at_s, 1e6))))
+            .optional(
+                "release_velocity",
+                number(&|row| row.ended.and_then(|(_, release)| release.map(|one| bits.sent(one)))),
+            );
         Some(table)
     }
 
@@ -242,6 +258,11 @@ impl Wire {
         piece.pedals.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         write(piece, bits.resolution()).map(Some).map_err(|error| error.to_string())
     }
+}
+
+/// A number to a share of one.
+fn rounded(number: f64, parts: f64) -> f64 {
+    (number * parts).round() / parts
 }
 
 /// Takes an event into the notes of a table. A key that strikes again before its damper is down has one end.

@@ -236,3 +236,75 @@ fn what_cannot_be_played_is_refused() {
     let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(answer["error"]["message"].as_str().unwrap().contains("--out-file"), "{answer}");
 }
+
+/// A stream's faults are reported: stamps that are wrong, a header that comes again, a sign that is
+/// inverted. What was not seen is empty in the table, and 64 among the bytes; velocities are those of the bytes.
+#[test]
+fn clocks_and_silence_are_told() {
+    let folder = Folder::new("live-clocks");
+    let stream = sensed("mm", 0.0, 9.9);
+    let body = stream.split_once('\n').unwrap().1;
+    // It begins anew while both keys are down; a line is ten seconds late.
+    let first: String = body.lines().take(2 * 870).map(|line| format!("{line}\n")).collect();
+    folder.file("twice.csv", &format!("time_us,key,mm\n{first}10860000,40,9.9\n{stream}"));
+    let said = folder.good(&["live", "twice.csv", "--out-file", "notes.csv"]);
+    for part in [
+        "5 note-ons, 5 note-offs",
+        "1 samples skipped: stamps more than 1 s from their neighbours'",
+        "1 new clocks, a header or stamps that go back: held notes ended",
+        "2 note-offs whose release was not seen: sent as 64",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let notes = folder.read("notes.csv");
+    let rows: Vec<Vec<&str>> = notes.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    assert!(rows.len() == 5 && rows[..2].iter().all(|row| row[6].is_empty()), "{notes}");
+    assert!(rows[2..].iter().all(|row| row[4].parse::<u8>().is_ok() && row[6].parse::<u8>().is_ok()), "{notes}");
+    let decimals = |text: &str| text.split_once('.').map_or(0, |(_, digits)| digits.len());
+    assert!(rows.iter().all(|row| decimals(row[2]) <= 6 && decimals(row[3]) <= 4), "{notes}");
+    folder.good(&["live", "twice.csv", "--out-file", "bytes"]);
+    let bytes = std::fs::read(folder.0.join("bytes")).unwrap();
+    let ons: Vec<String> = bytes.chunks(3).filter(|three| three[0] == 0x90).map(|three| three[2].to_string()).collect();
+    assert_eq!(ons, rows.iter().map(|row| row[4]).collect::<Vec<_>>());
+    let offs: Vec<u8> = bytes.chunks(3).filter(|three| three[0] == 0x80).map(|three| three[2]).collect();
+    assert_eq!(offs[..2], [64, 64]);
+
+    folder.file("sign.csv", &sensed("mm", 0.0, -9.9));
+    let said = folder.good(&["live", "sign.csv", "--out-file", "none.csv"]);
+    assert!(said.contains("no notes: keys move 9.9 mm above their rest: is the sign inverted?"), "{said}");
+}
+
+/// A stream that standard input reads from a file is not replaced, whatever the option.
+#[cfg(unix)]
+#[test]
+fn the_file_on_standard_input_is_kept() {
+    let folder = Folder::new("live-itself");
+    let stream = "time_s,key,mm\n0,40,1\n";
+    for (name, of) in [("in.csv", "in.csv"), ("in.mid", "in.mid"), ("in", "in")] {
+        folder.file(name, stream);
+        let mut command = folder.command(&["live", "--out-file", of, "--force"]);
+        let input = std::fs::File::open(folder.0.join(name)).unwrap();
+        let output = command.stdin(Stdio::from(input)).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(folder.read(name), stream);
+    }
+}
+
+/// Of three keys one that was pressed half the way is named.
+#[test]
+fn calibrate_compares_keys() {
+    let folder = Folder::new("calibrate-unlike");
+    let mut text = String::from("time_s,key,raw\n");
+    for ms in 0..900_u32 {
+        for (key, pressed) in [(40, 1000.0), (41, 1010.0), (42, 2100.0)] {
+            let value = if (300..600).contains(&ms) { pressed } else { 3000.0 };
+            text.push_str(&format!("{},{key},{value}\n", 1e-3 * f64::from(ms)));
+        }
+    }
+    folder.file("readings.csv", &text);
+    let said = folder.good(&["calibrate", "readings.csv"]);
+    assert!(
+        said.contains("key 42: its range is 0.45 of the median of all keys") && !said.contains("key 41:"),
+        "{said}"
+    );
+}

@@ -3,6 +3,7 @@
 mod announced;
 mod calibrated;
 mod chip;
+mod clocks;
 mod common;
 #[path = "../../../erard/tests/common/generated.rs"]
 mod generated;

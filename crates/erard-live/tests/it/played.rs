@@ -42,10 +42,12 @@ fn only_moved_keys_are_prepared() {
     let events = played(&mut all, &samples);
     assert!(ons(&events).len() == 1 && offs(&events).len() == 1, "{events:?}");
     assert_eq!(events, played(&mut some, &samples));
-    assert_eq!(all.report(), some.report());
+    // The other key may have taken a step before it fell asleep.
+    let counts = |live: &Live| erard_live::Report { steps: 0, ..live.report() };
+    assert_eq!(counts(&all), counts(&some));
     assert!(some.limits(1).is_none() && some.limits(2) == all.limits(2));
     some.take(&Sample { of: Of::Key(1), ..samples[0] }, &mut |event| panic!("{event:?}"));
-    some.take(&Sample { of: Of::Key(1), time_s: 2.0, ..samples[0] }, &mut |event| panic!("{event:?}"));
+    some.take(&Sample { of: Of::Key(1), time_s: 1.5, ..samples[0] }, &mut |event| panic!("{event:?}"));
     assert_eq!(some.report().uncalibrated, 2);
 }
 

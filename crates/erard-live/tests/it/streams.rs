@@ -10,11 +10,20 @@ fn lines_are_read() {
     let mut reader = Reader::new(head);
     let sample = |time_s: f64, of: Of, value: f64| Ok(Some(Sample { time_s, of, value }));
     assert_eq!(reader.line("1500000,40,3121"), sample(1.5, Of::Key(40), 3121.0));
+    let mut reader = Reader::new(head);
     assert_eq!(reader.line("4294967000,sustain,0.75"), sample(4294.967, Of::Pedal(64), 0.75));
     // The clock wraps around.
     let Ok(Some(after)) = reader.line("704,88,1") else { panic!() };
     assert!((after.time_s - 4294.968).abs() < 1e-9, "{after:?}");
     assert_eq!((reader.line("# words"), reader.line("  ")), (Ok(None), Ok(None)));
+    // A stamp that is wrong wraps nothing around for those after it.
+    let mut reader = Reader::new(head);
+    let at = |line: Result<Option<Sample>, Fault>| line.unwrap().unwrap().time_s;
+    assert_eq!(["1000000,40,1", "4294967295,40,1", "1001000,40,1"].map(|line| at(reader.line(line)))[2], 1.001);
+    // A header begins anew; one of another quantity is no line.
+    assert!(!reader.take_restart() && reader.line("time_us,key,raw") == Ok(None) && reader.take_restart());
+    assert_eq!((at(reader.line("7,40,1")), reader.take_restart()), (7e-6, false));
+    assert!(reader.line("time_us,key,mm").is_err());
     for (line, part) in [
         ("1,2", "three fields"),
         ("1,2,3,4", "three fields"),

@@ -18,7 +18,7 @@ fn played(way_mm: &[f64], impacts: &[[f64; 2]]) -> (Vec<Event>, bool) {
 
 fn off(event: &Event) -> (f64, f64) {
     match *event {
-        Event::Off { time_s, release_m_per_s } => (time_s, release_m_per_s),
+        Event::Off { time_s, release_m_per_s } => (time_s, release_m_per_s.unwrap()),
         Event::On { .. } => panic!("{event:?}"),
     }
 }
@@ -90,7 +90,7 @@ fn whatever_a_key_does_notes_are_in_order() {
                     }
                     Event::Off { time_s, release_m_per_s } => {
                         off += 1;
-                        assert!(release_m_per_s >= 0.0);
+                        assert!(release_m_per_s.unwrap() >= 0.0);
                         time_s
                     }
                 };

@@ -37,7 +37,11 @@ fn generated_files_are_read_as_by_another() {
         for (found, expected) in found.iter().zip(&expected) {
             for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
                 let is_near = |expected: i64| (found - expected).abs() <= i64::from(i == 1 || i == 2);
-                assert!(*expected == "?" || is_near(expected.parse().unwrap()), "line {} ({kind}): {found} {expected}", number + 1);
+                assert!(
+                    *expected == "?" || is_near(expected.parse().unwrap()),
+                    "line {} ({kind}): {found} {expected}",
+                    number + 1
+                );
             }
         }
         let count = kinds.entry(kind).or_default();

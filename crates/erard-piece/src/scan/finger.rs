@@ -78,7 +78,7 @@ pub(super) fn play(
                 Event::Off { time_s, release_m_per_s } => {
                     // The last stroke's note ends, bounces or not.
                     if let Some(last) = strikes.iter_mut().rev().find(|strike| !strike.again) {
-                        last.released.get_or_insert([time_s, release_m_per_s]);
+                        last.released = last.released.or(release_m_per_s.map(|m_per_s| [time_s, m_per_s]));
                     }
                 }
             }

@@ -1,0 +1,70 @@
+//! The sender's clock, which is a claim.
+
+use crate::stream::Sample;
+
+/// A stamp farther than this from its neighbours is wrong, s; a stream that is silent for longer has a gap.
+pub const APART_S: f64 = 1.0;
+/// So many samples of one stamp may wait for the next one: every key and pedal, and some twice.
+const MOST: usize = 128;
+
+/// What to do after a sample.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Taken {
+    /// Nothing: it waits for its neighbour, or it is dropped.
+    Waits,
+    /// The sample is next.
+    Next,
+    /// The clock jumps to the first of these samples, ahead or back.
+    Jump(Vec<Sample>),
+}
+
+/// Follows a clock. A stamp more than a second from the last one waits until the next comes: where that is near the
+/// last one, the stamp was wrong; where it is near the stamp, and later, the clock has jumped.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Clock {
+    now_s: Option<f64>,
+    has_begun: bool,
+    waiting: Vec<Sample>,
+    /// Samples that were dropped.
+    pub dropped: u64,
+}
+
+impl Clock {
+    pub(crate) fn take(&mut self, sample: &Sample) -> Taken {
+        let is_near = |other_s: f64| (sample.time_s - other_s).abs() <= APART_S;
+        let Some(now_s) = self.now_s else {
+            self.now_s = Some(sample.time_s);
+            let is_first = !std::mem::replace(&mut self.has_begun, true);
+            return if is_first { Taken::Next } else { Taken::Jump(vec![*sample]) };
+        };
+        if is_near(now_s) {
+            self.now_s = Some(now_s.max(sample.time_s));
+            self.drop_waiting();
+            return Taken::Next;
+        }
+        match self.waiting.first().map(|first| first.time_s) {
+            Some(first_s) if is_near(first_s) && sample.time_s > first_s => {
+                self.now_s = Some(sample.time_s);
+                let mut all = std::mem::take(&mut self.waiting);
+                all.push(*sample);
+                return Taken::Jump(all);
+            }
+            Some(first_s) if first_s == sample.time_s && self.waiting.len() < MOST => {}
+            _ => self.drop_waiting(),
+        }
+        self.waiting.push(*sample);
+        Taken::Waits
+    }
+
+    /// Begins a new clock with the next sample.
+    pub(crate) fn restart(&mut self) {
+        self.drop_waiting();
+        self.now_s = None;
+    }
+
+    /// Drops the samples that wait for a neighbour.
+    pub(crate) fn drop_waiting(&mut self) {
+        self.dropped += self.waiting.len() as u64;
+        self.waiting.clear();
+    }
+}
