@@ -5,8 +5,14 @@ use std::path::Path;
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// A file's name, as messages show it, and its points.
-pub(crate) type LawPoints = (String, Vec<[f64; 2]>);
+/// The points of a file.
+pub(crate) struct LawPoints {
+    /// The file's name, as messages show it.
+    pub name: String,
+    pub points: Vec<[f64; 2]>,
+    /// Their lines, from 1.
+    pub lines: Vec<usize>,
+}
 
 /// The points of a law of one's own: two numbers a line below a head, such as `raw,mm`. Empty lines and lines that
 /// begin with `#` are left out.
@@ -26,7 +32,7 @@ pub(crate) fn law_points(
         .map_err(|error| Failure::Usage(format!("{option}: expected {expected} or a file of points; {error}")))?;
     let text = erard::instrument::utf8(&bytes, &name)?;
     let wrong = |line: usize, what: &str| Failure::Usage(format!("{name}, line {line}: {what}"));
-    let mut points: Vec<[f64; 2]> = Vec::new();
+    let (mut points, mut lines) = (Vec::new(), Vec::new());
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
         if index == 0 && line != head {
@@ -38,7 +44,8 @@ pub(crate) fn law_points(
         let numbers: Vec<f64> = line.split(',').filter_map(|text| text.trim().parse().ok()).collect();
         let [from, to] = numbers[..] else { return Err(wrong(index + 1, "expected two numbers")) };
         points.push([from, to]);
+        lines.push(index + 1);
     }
     session.provenance.used("law", &name, Some(&name), &bytes);
-    Ok((name, points))
+    Ok(LawPoints { name, points, lines })
 }

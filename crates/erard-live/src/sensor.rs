@@ -56,6 +56,13 @@ pub enum LawFault {
     TooFew(usize),
     /// The distance is not positive and finite.
     Nearest(f64),
+    /// The travel does not rise to this point, or a number is not finite.
+    Travel {
+        /// Index of the point, from 0.
+        index: usize,
+    },
+    /// The readings do not change with the travel.
+    Flat,
 }
 
 impl core::fmt::Display for LawFault {
@@ -65,6 +72,10 @@ impl core::fmt::Display for LawFault {
                 write!(f, "point {}: found {found:?}; expected shares that rise from [0, 0] to [1, 1]", index + 1)
             }
             LawFault::TooFew(count) => write!(f, "{count} points; expected at least two"),
+            LawFault::Travel { index } => {
+                write!(f, "point {}: expected travel that rises from the rest to the bottom", index + 1)
+            }
+            LawFault::Flat => f.write_str("the readings do not change with the travel"),
             LawFault::Nearest(mm) => write!(f, "nearest_mm is {mm}; expected a number from 0.1 to 100"),
         }
     }
@@ -74,16 +85,70 @@ impl core::error::Error for LawFault {}
 
 #[cfg(feature = "std")]
 impl Law {
-    /// Makes a law from your own points, readings and travel in any units, from the rest to the bottom.
+    /// Makes a law from your own points, readings and travel in any units, from the rest to the bottom. Readings that
+    /// do not rise from one to the next, or fall where they fall on the whole (a sensor that sees nothing of the
+    /// beginning, noise), are averaged until they do: the nearest monotone curve (least squares, pool adjacent
+    /// violators; M. Ayer et al., Ann. Math. Statist. 26 (1955) 641). The stops keep their travel. Also returns how
+    /// many points were averaged, and the largest change of a reading.
     ///
     /// # Errors
-    /// [`LawFault`]: the shares do not rise.
-    pub fn of_points(points: &[[f64; 2]]) -> Result<Self, LawFault> {
-        let (Some([r0, x0]), Some([r1, x1])) = (points.first(), points.last()) else { return Err(LawFault::TooFew(0)) };
-        let share = |[r, x]: &[f64; 2]| [(r - r0) / (r1 - r0), (x - x0) / (x1 - x0)];
-        let law = Law::Table { points: points.iter().map(share).collect() };
+    /// [`LawFault::TooFew`], [`LawFault::Travel`] where the travel does not rise, [`LawFault::Flat`] where all readings
+    /// are averaged to one.
+    pub fn of_points(points: &[[f64; 2]]) -> Result<(Self, usize, f64), LawFault> {
+        if points.len() < 2 {
+            return Err(LawFault::TooFew(points.len()));
+        }
+        let is_bad = |i: &usize| {
+            !points[*i].iter().all(|number| number.is_finite()) || (*i > 0 && points[*i][1] <= points[*i - 1][1])
+        };
+        if let Some(index) = (0..points.len()).find(is_bad) {
+            return Err(LawFault::Travel { index });
+        }
+        let count = points.len() as f64;
+        let middle = |of: usize| points.iter().map(|point| point[of]).sum::<f64>() / count;
+        let [r, x] = [middle(0), middle(1)];
+        let slope: f64 = points.iter().map(|point| (point[0] - r) * (point[1] - x)).sum();
+        // Points that are averaged: the sum of their readings, rising, and where they begin and end.
+        let mut pools: Vec<(f64, usize, usize)> = Vec::new();
+        let mean = |&(sum, from, to): &(f64, usize, usize)| sum / (to - from) as f64;
+        for (i, [reading, _]) in points.iter().enumerate() {
+            let mut pool = (reading * slope.signum(), i, i + 1);
+            while let Some(before) = pools.last().filter(|before| mean(before) >= mean(&pool)) {
+                pool = (before.0 + pool.0, before.1, pool.2);
+                pools.pop();
+            }
+            pools.push(pool);
+        }
+        let [Some(first), Some(last)] = [pools.first(), pools.last()] else { return Err(LawFault::TooFew(0)) };
+        if pools.len() < 2 {
+            return Err(LawFault::Flat);
+        }
+        let (r0, range) = (mean(first), mean(last) - mean(first));
+        let (x0, travel) = (points[0][1], points[points.len() - 1][1] - points[0][1]);
+        let share = |(index, pool): (usize, &(f64, usize, usize))| {
+            let (_, from, to) = *pool;
+            let way = match index {
+                0 => points[0][1],
+                _ if index == pools.len() - 1 => points[points.len() - 1][1],
+                _ => points[from..to].iter().map(|point| point[1]).sum::<f64>() / (to - from) as f64,
+            };
+            [(mean(pool) - r0) / range, (way - x0) / travel]
+        };
+        let mut shares: Vec<[f64; 2]> = pools.iter().enumerate().map(share).collect();
+        // Exact at both stops, whatever the rounding.
+        if let [first, .., last] = &mut shares[..] {
+            (*first, *last) = ([0.0; 2], [1.0; 2]);
+        }
+        let own = pools.iter().filter(|(_, from, to)| to - from > 1);
+        let averaged = own.clone().map(|(_, from, to)| to - from).sum();
+        let change = |pool: &(f64, usize, usize)| {
+            let of = |point: &[f64; 2]| (point[0] * slope.signum() - mean(pool)).abs();
+            points[pool.1..pool.2].iter().map(of).fold(0.0, f64::max)
+        };
+        let changed = own.map(change).fold(0.0, f64::max);
+        let law = Law::Table { points: shares };
         law.check()?;
-        Ok(law)
+        Ok((law, averaged, changed))
     }
 }
 

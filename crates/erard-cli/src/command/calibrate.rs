@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use erard_live::calibrate::{Found, Readings, stops, unlike};
 use erard_live::profile::Profile;
-use erard_live::sensor::Law;
+use erard_live::sensor::{Law, LawFault};
 use erard_live::stream::{Head, Of, Reader, SensorUnit};
 use serde_json::json;
 
@@ -16,7 +16,7 @@ use super::out::OwnFile;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::inputs::shown;
-use crate::law_points::law_points;
+use crate::law_points::{LawPoints, law_points};
 use crate::number::between;
 use crate::output::Output;
 use crate::print_line;
@@ -172,6 +172,33 @@ impl Calibrate {
 
 /// A law of one's own points: readings and millimetres, from the rest to the bottom.
 fn own_table(session: &mut Session, path: &Path) -> Result<Law, Failure> {
-    let (name, points) = law_points(session, "--sensor-law", path, "raw,mm", "linear, cny70, hall")?;
-    Law::of_points(&points).map_err(|fault| Failure::Usage(format!("{name}: {fault}")))
+    let read = law_points(session, "--sensor-law", path, "raw,mm", "linear, cny70, hall")?;
+    let LawPoints { name, points, lines } = read;
+    let (law, averaged, changed) = Law::of_points(&points).map_err(|fault| {
+        let ends = |of: usize| [points.first(), points.last()].map(|point| point.map_or(0.0, |point| point[of]));
+        Failure::Usage(match fault {
+            LawFault::Travel { index } => {
+                let [reading, mm] = points[index];
+                let before = index.checked_sub(1).map_or(String::new(), |i| format!(" after {} mm", points[i][1]));
+                let expected = "expected millimetres that rise from the rest to the bottom";
+                format!("{name}, line {}: reading {reading} at {mm} mm{before}; {expected}", lines[index])
+            }
+            LawFault::Flat => {
+                let ([r0, r1], [x0, x1]) = (ends(0), ends(1));
+                format!(
+                    "{name}: readings from {r0} at {x0} mm to {r1} at {x1} mm do not rise or fall; expected a sensor that \
+                     sees the key move"
+                )
+            }
+            other => format!("{name}: {other}"),
+        })
+    })?;
+    if averaged > 0 {
+        print_line!(
+            session,
+            "{name}: {averaged} of {} readings that do not rise or fall with the others were averaged, by up to {changed:.4}",
+            points.len()
+        );
+    }
+    Ok(law)
 }

@@ -110,7 +110,7 @@ impl Play {
     }
 
     fn law<'l>(&self, points: &'l Option<LawPoints>) -> Result<Law<'l>, Failure> {
-        if let Some((name, points)) = points {
+        if let Some(LawPoints { name, points, .. }) = points {
             return Law::table(points).map_err(|fault| Failure::Usage(format!("{name}: {fault}")));
         }
         let Some(full) = self.law.strip_prefix("linear:") else { return Ok(Law::GOEBL) };

@@ -308,3 +308,25 @@ fn calibrate_compares_keys() {
         "{said}"
     );
 }
+
+/// A ruler's table with a flat start and noise becomes a law; a ruler that goes back is named by line and reading.
+#[test]
+fn a_rulers_table_is_a_law() {
+    let folder = Folder::new("calibrate-ruler");
+    let mut text = String::from("time_s,key,raw\n");
+    for ms in 0..900_u32 {
+        let value = if (300..600).contains(&ms) { 900.0 } else { 500.0 };
+        text.push_str(&format!("{},40,{value}\n", 1e-3 * f64::from(ms)));
+    }
+    folder.file("readings.csv", &text);
+    folder.file("ruler.csv", "raw,mm\n500,0\n501,1\n499,2\n# noise\n620,4\n610,6\n900,10\n");
+    let said = folder.good_words(&["calibrate", "readings.csv", "--sensor-law", "ruler.csv", "--out-file", "own.toml"]);
+    assert!(said.contains("ruler.csv: 5 of 6 readings") && said.contains("were averaged, by up to 5.0000"), "{said}");
+    assert!(folder.read("own.toml").contains("kind = \"table\""));
+    folder.file("back.csv", "raw,mm\n500,0\n600,4\n# again\n700,3\n900,10\n");
+    let said = folder.bad(&["calibrate", "readings.csv", "--sensor-law", "back.csv"]);
+    assert!(Folder::words(&said).contains("back.csv, line 5: reading 700 at 3 mm after 4 mm; expected"), "{said}");
+    folder.file("flat.csv", "raw,mm\n500,0\n500,4\n500,10\n");
+    let said = folder.bad(&["calibrate", "readings.csv", "--sensor-law", "flat.csv"]);
+    assert!(Folder::words(&said).contains("flat.csv: readings from 500 at 0 mm to 500 at 10 mm do not rise"), "{said}");
+}

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use erard_live::calibrate::{Readings, StopsFault, stops};
 use erard_live::profile::{Profile, Stops};
-use erard_live::sensor::{CNY70, Law};
+use erard_live::sensor::{CNY70, Law, LawFault};
 
 /// Columns of a recording of the Kawai KG-3C beside this crate: times, and the key's as read or in mm.
 fn recording(name: &str, stroke: Option<&str>) -> Vec<[f64; 2]> {
@@ -149,4 +149,28 @@ fn readings_without_stops_are_refused() {
     assert!(matches!(fault(&|t| if t < 0.5 { 0.0 } else { 100.0 * t }), StopsFault::NotHeld { .. }));
     let few = stops(&BTreeMap::from([(5, Readings { all: vec![[0.0, 1.0]; 3] })])).unwrap_err();
     assert!(matches!(few, StopsFault::Few { found: 3, .. }));
+}
+
+/// A ruler's table as it is read: a flat start, noise, falling readings. The law is monotone, exact at both stops, and
+/// nearest to the readings; what cannot be a law is named.
+#[test]
+fn a_rulers_table_is_made_monotone() {
+    // Nothing is seen up to 2 mm; then 100 a millimetre, and two readings in the wrong order.
+    let readings = [500.0, 500.0, 500.0, 600.0, 740.0, 660.0, 800.0, 900.0];
+    for sign in [1.0, -1.0] {
+        let points: Vec<[f64; 2]> = readings.iter().enumerate().map(|(i, r)| [sign * r, 1.0 + i as f64]).collect();
+        let (law, averaged, changed) = Law::of_points(&points).unwrap();
+        law.check().unwrap();
+        // Three of the start, and two that are 700 at 5.5 mm.
+        assert_eq!((averaged, changed), (5, 40.0), "{law:?}");
+        let at = |reading: f64| 1.0 + 7.0 * law.share((reading - 500.0) / 400.0, 0.007);
+        for (reading, mm) in [(500.0, 1.0), (600.0, 4.0), (700.0, 5.5), (800.0, 7.0), (900.0, 8.0)] {
+            assert!((at(reading) - mm).abs() < 1e-12, "{reading}: {}", at(reading));
+        }
+    }
+    let fault = |points: &[[f64; 2]]| Law::of_points(points).unwrap_err();
+    assert_eq!(fault(&[[1.0, 0.0], [2.0, 3.0], [3.0, 2.0]]), LawFault::Travel { index: 2 });
+    assert_eq!(fault(&[[1.0, 0.0], [f64::NAN, 3.0]]), LawFault::Travel { index: 1 });
+    assert_eq!(fault(&[[7.0, 0.0], [7.0, 1.0], [7.0, 2.0]]), LawFault::Flat);
+    assert_eq!(fault(&[[7.0, 0.0]]), LawFault::TooFew(1));
 }
