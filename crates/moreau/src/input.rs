@@ -1,7 +1,7 @@
 //! The drive of a mechanism in one step.
 
 use crate::hand::SiteHand;
-use crate::real::{Real, Scalar, join, same_bits};
+use crate::real::{Mask, Real, Scalar, join, same_bits};
 
 /// Correction gain for prescribed motions ([`SiteInput::Rigid`]), per step. A caller adds this share of the site's lag
 /// behind the prescribed position, divided by the step, to the velocity of the next step. Errors of rounding and of
@@ -43,6 +43,19 @@ impl<T: Real> SiteInput<T> {
             SiteInput::Motion { position, velocity } => (2, [position, velocity, z, z, z, z, z, z]),
             SiteInput::Rigid { velocity } => (3, [velocity, z, z, z, z, z, z, z]),
             SiteInput::Hand(hand) => (4, hand.numbers()),
+        }
+    }
+
+    /// Returns whether all numbers are finite. The step's result does not tell: where dry friction or a stop holds the
+    /// site, laws that clamp swallow a NaN.
+    #[inline(always)]
+    pub fn finite(&self) -> T::Mask {
+        match *self {
+            SiteInput::Free => T::Mask::splat(true),
+            SiteInput::Force(force) => force.finite(),
+            SiteInput::Motion { position, velocity } => position.finite().and(velocity.finite()),
+            SiteInput::Rigid { velocity } => velocity.finite(),
+            SiteInput::Hand(hand) => hand.numbers().iter().fold(T::Mask::splat(true), |all, n| all.and(n.finite())),
         }
     }
 

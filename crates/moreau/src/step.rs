@@ -115,6 +115,9 @@ pub fn step<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     if N < model.laws {
         return StepReport { outcome: StepOutcome::TooManyLaws, newton: 0, solver: 0 };
     }
+    if !input.finite() {
+        return StepReport { outcome: StepOutcome::NonFinite, newton: 0, solver: 0 };
+    }
     let ended = step_lanes(model, settings, input, state, workspace);
     let outcome = match (ended.finite, ended.converged) {
         (false, _) => StepOutcome::NonFinite,
@@ -153,7 +156,8 @@ pub struct LanesReport<M> {
 /// Advances several mechanisms by one step, one in each lane. Every lane gets the result of [`step()`] alone, to
 /// rounding. The mechanisms must have the same topology (parents, kinds of curves and felts); their numbers may differ.
 ///
-/// `N` must be at least [`Model::laws`]: otherwise no state changes, and no lane is `converged` or `finite`.
+/// `N` must be at least [`Model::laws`]: otherwise no state changes, and no lane is `converged` or `finite`. The input
+/// of every lane must be finite ([`SiteInput::finite`]).
 #[inline(always)]
 pub fn step_lanes<T: Real, const B: usize, const Z: usize, const N: usize>(
     model: &Model<T, B, Z>,

@@ -240,16 +240,22 @@ fn the_order_does_not_matter() {
     }
 }
 
-/// A force that is NaN, a spring without bounds: the job reports it, and its neighbours get the same bits as beside a
-/// job that does not fail.
+/// A force that is NaN, when the action stands as well, in every kind of lanes; a spring without bounds: the job
+/// reports it, and its neighbours get the same bits as beside a job that does not fail.
 #[test]
 fn a_job_that_fails_fails_alone() {
+    for lanes in [Lanes::One, Lanes::Four, Lanes::EightSingle] {
+        fails_alone(Workers { threads: 2, lanes });
+    }
+}
+
+fn fails_alone(workers: Workers) {
     let mut instruments = vec![grand(); 3];
     let mut explosive = grand();
     explosive.edit(|fields| fields.zones.iter_mut().for_each(|zone| zone.felt.stiffness = 1e300)).unwrap();
     instruments.push(explosive);
     let job = |instrument, force: fn(f64) -> f64| Job { instrument, stroke: Box::new(player::force(force)) };
-    let go = |jobs| play_all(&instruments, jobs, &SETUP(), threads(2), &mut |_| true).expect("nobody interrupts");
+    let go = |jobs| play_all(&instruments, jobs, &SETUP(), workers, &mut |_| true).expect("nobody interrupts");
     let good = go(vec![job(0, |_| 4.0), job(1, |_| 5.0), job(2, |_| 6.0)]);
     let some =
         go(vec![job(0, |_| 4.0), job(1, |t| if t > 0.1 { f64::NAN } else { 5.0 }), job(2, |_| 6.0), job(3, |_| 5.0)]);

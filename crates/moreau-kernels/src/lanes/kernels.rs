@@ -12,7 +12,7 @@ use super::avx2::F64x4;
 use super::avx2_single::F32x8;
 
 /// One step of all lanes: writes how each ended, or does nothing and returns false where the inputs are not of one
-/// kind.
+/// kind, or not all finite.
 ///
 /// # Safety
 /// The processor must have the instructions that the kernel is compiled for.
@@ -70,7 +70,7 @@ impl<T: Real, const B: usize, const Z: usize, const N: usize> Lanes<T, B, Z, N> 
         }
     }
 
-    /// Inputs of different kinds: each lane alone.
+    /// Inputs of different kinds, or not all finite: each lane alone.
     #[cold]
     #[inline(never)]
     fn one_by_one(&mut self, inputs: &[SiteInput<f64>], outcomes: &mut [StepOutcome]) {
@@ -214,7 +214,10 @@ fn step_all<T: Real, const B: usize, const Z: usize, const N: usize>(
 ) -> bool {
     // Their number is now known to the compiler.
     let (inputs, outcomes) = (&inputs[..T::LANES], &mut outcomes[..T::LANES]);
-    let Some(input) = SiteInput::of_lanes(inputs) else { return false };
+    let Some(input) = SiteInput::<T>::of_lanes(inputs) else { return false };
+    if !input.finite().all() {
+        return false;
+    }
     let Stepped { model, state, settings, workspace } = stepped;
     let report = step_lanes(model, settings, &input, state, workspace);
     if report.converged.and(report.finite).all() {
