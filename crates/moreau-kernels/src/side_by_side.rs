@@ -51,6 +51,7 @@ pub fn side_by_side(
     assert_eq!(descriptions.len(), states.len(), "a state for each description");
     let size = descriptions.iter().map(|d| Size::of(d)).max().unwrap_or(Size::One);
     let compiled = size.lanes(lanes);
+    let size = if compiled == Lanes::One { size } else { size.in_lanes() };
     let width = compiled.count();
     if 1 < width && width < descriptions.len() {
         let parts = descriptions.chunks(width).zip(states.chunks(width));
@@ -73,11 +74,10 @@ fn one_part(
         (Size::Six, Lanes::EightSingle) => {
             grouped::<6, 14, 10>(Group::in_eights_single, descriptions, states, settings)
         }
-        (Size::Eight, Lanes::Four) => grouped::<8, 20, 49>(Group::in_fours, descriptions, states, settings),
-        (Size::Eight, Lanes::EightSingle) => {
-            grouped::<8, 20, 49>(Group::in_eights_single, descriptions, states, settings)
-        }
         (Size::Nine, Lanes::Four) => grouped::<9, 20, 50>(Group::in_fours, descriptions, states, settings),
+        (Size::Nine, Lanes::EightSingle) => {
+            grouped::<9, 20, 50>(Group::in_eights_single, descriptions, states, settings)
+        }
         _ => with_size!(size, one_by_one, descriptions, states, settings),
     }
 }

@@ -66,15 +66,20 @@ impl Size {
         Size::ALL.into_iter().find(fits).unwrap_or(Size::Most)
     }
 
-    /// Returns the lanes that are compiled for this size, `wanted` or none wider. Each kind of lanes takes as long to
-    /// compile as a whole library, so few are: six and eight bodies have four doubles and eight numbers of single
-    /// precision, nine have four doubles, and the other sizes have none.
+    /// Returns the lanes that are compiled for this size, `wanted` or none. Each kind of lanes takes as long to compile
+    /// as a whole library, so few are: six and nine bodies have four doubles and eight numbers of single precision,
+    /// eight use those of nine, and the other sizes have none.
     pub fn lanes(self, wanted: Lanes) -> Lanes {
-        match (self, wanted) {
-            (_, Lanes::One) | (Size::One | Size::Most, _) => Lanes::One,
-            (Size::Nine, _) => Lanes::Four,
-            (Size::Six | Size::Eight, wanted) => wanted,
+        match self {
+            Size::One | Size::Most => Lanes::One,
+            Size::Six | Size::Eight | Size::Nine => wanted,
         }
+    }
+
+    /// Returns the size in which lanes and derivatives of this size are compiled. A mechanism has the same bits in a
+    /// larger size.
+    pub(crate) fn in_lanes(self) -> Self {
+        if self == Size::Eight { Size::Nine } else { self }
     }
 
     /// Returns whether lanes are compiled for this size.

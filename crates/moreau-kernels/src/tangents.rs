@@ -54,8 +54,8 @@ pub fn tangents(
     slopes: &[[f64; DIRECTIONS]],
 ) -> Result<Box<dyn Tangents>, TangentError> {
     // Two sizes are enough where speed matters less than what has to be compiled.
-    let most = Size::of(description) == Size::Most || Size::of(description) == Size::Nine;
-    if most { boxed::<12, 32, 77>(description, slopes) } else { boxed::<8, 20, 49>(description, slopes) }
+    let most = Size::of(description) == Size::Most;
+    if most { boxed::<12, 32, 77>(description, slopes) } else { boxed::<9, 20, 50>(description, slopes) }
 }
 
 fn boxed<const B: usize, const Z: usize, const N: usize>(

@@ -57,7 +57,7 @@ const SUBJECTS: [Subject; 14] = [
     ("group_step_of_the_concert_grand", "--at-most-group-grand", 1, |steps| lanes_note(&concert_grand(), steps)),
 ];
 
-/// The default instrument: eight bodies, and felts whose laws have a memory.
+/// The default instrument: nine bodies, and felts whose laws have a memory.
 fn concert_grand() -> Instrument {
     Instrument::builtin("concert-grand").expect("built in")
 }
