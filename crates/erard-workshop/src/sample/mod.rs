@@ -115,25 +115,27 @@ impl Sampled {
 
     /// Returns the text of a sample's instrument file, counted from 1. `progress` ends the work by returning false.
     ///
+    /// A key of which the sample's piano cannot be put right is that of the piano that is drawn next: at the ends of
+    /// the keyboard some pianos' slow keys stick at let-off.
+    ///
     /// # Errors
     /// See [`SampleError`].
     pub fn text(&self, sample: u32, progress: &mut Progress<'_>) -> Result<String, SampleError> {
-        let base = self.base_text(sample, progress)?;
-        let Some((keyboard, key, aim)) = &self.key else { return Ok(base) };
-        let text = keyboard.around(base)?.key_text(*key);
-        match aim.put_right(&text, sample, progress) {
-            Ok(right) => Ok(named(&right, sample)),
-            Err(Unfit::Implausible) => {
-                Err(SampleError::Hopeless { file: format!("{}, key {key}, sample {sample}", self.name) })
+        let mut attempt = 0;
+        loop {
+            let (base, drawn) = self.base_text(sample, attempt, progress)?;
+            let Some((keyboard, key, aim)) = &self.key else { return Ok(base) };
+            match aim.put_right(&keyboard.around(base)?.key_text(*key), sample, progress) {
+                Ok(right) => return Ok(named(&right, sample)),
+                Err(Unfit::Implausible) => attempt = drawn + 1,
+                Err(Unfit::Stopped) => return Err(SampleError::Interrupted),
             }
-            Err(Unfit::Stopped) => Err(SampleError::Interrupted),
         }
     }
 
-    /// Returns the text of the base instrument's sample. It alone decides whether a piano is drawn again, so that all
-    /// keys belong to one piano.
-    fn base_text(&self, sample: u32, progress: &mut Progress<'_>) -> Result<String, SampleError> {
-        for attempt in 0..ATTEMPTS {
+    /// Returns the text of the base instrument's sample, and the attempt at which it was drawn, `from` or a later one.
+    fn base_text(&self, sample: u32, from: u32, progress: &mut Progress<'_>) -> Result<(String, u32), SampleError> {
+        for attempt in from..ATTEMPTS {
             if !progress(0.0) {
                 return Err(SampleError::Interrupted);
             }
@@ -141,12 +143,13 @@ impl Sampled {
                 return Err(SampleError::Certain { file: self.name.clone() });
             };
             match self.base_aim.put_right(&drawn, sample, progress) {
-                Ok(right) => return Ok(named(&right, sample)),
+                Ok(right) => return Ok((named(&right, sample), attempt)),
                 Err(Unfit::Implausible) => {}
                 Err(Unfit::Stopped) => return Err(SampleError::Interrupted),
             }
         }
-        Err(SampleError::Hopeless { file: self.name.clone() })
+        let key = self.key.as_ref().map_or_else(String::new, |(_, key, _)| format!(", key {key}"));
+        Err(SampleError::Hopeless { file: format!("{}{key}, sample {sample}", self.name) })
     }
 }
 
