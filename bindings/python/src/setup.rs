@@ -22,11 +22,13 @@ pub(crate) struct Steps {
     friction: String,
     #[pyo3(item)]
     friction_width: f64,
-    /// Hand: mass, kg; stiffness, N/m, and damping, N s/m, of its muscle; position, m, and velocity, m/s, at the start;
-    /// compliance, m/N, and retardation time, s, of its joints (by default stiff).
     #[pyo3(item)]
-    hand: Option<(f64, f64, f64, f64, f64, Option<f64>, Option<f64>)>,
+    hand: Option<HandNumbers>,
 }
+
+/// Hand: mass, kg; stiffness, N/m, and damping, N s/m, of its muscle; position, m, and velocity, m/s, at the start;
+/// compliance, m/N, and retardation time, s, of its joints (by default stiff).
+type HandNumbers = (f64, f64, f64, f64, f64, Option<f64>, Option<f64>);
 
 /// Returns joints whose compliance, m/N, and retardation time, s, are `own` where they are not given.
 pub(crate) fn joints_over(own: Joints, compliance_m_per_n: Option<f64>, retardation_s: Option<f64>) -> Joints {

@@ -8,7 +8,7 @@ const MAX_ADVANCE_S = 0.1, AWAY_S = 0.5;
 const MAX_IMPACTS = 256;
 const IMPACT_BYTES = 24;
 /** Bytes of ErardInput: its size, its kind and six doubles. */
-const INPUT_BYTES = 56;
+const INPUT_BYTES = 72;
 const FREE = 0, FORCE = 1, MOTION = 2;
 /** A fingertip's way within a frame is taken in so many steps at a time: a millisecond. */
 const STRIDE = 20;

@@ -179,7 +179,7 @@ fn case(all: &[Function], seed: u64) -> String {
     // The input's numbers are drawn, too.
     let mut bad = given.iter().any(|one| ["NAN", "INFINITY", "-INFINITY"].contains(&one.as_str()));
     let kind = chance.one(&["0", "1", "2", "3", "4", "5", "UINT32_MAX"]);
-    let drawn: [&str; 6] = core::array::from_fn(|_| chance.one(&NUMBERS));
+    let drawn: [&str; 8] = core::array::from_fn(|_| chance.one(&NUMBERS));
     let _ = writeln!(text, "        input = (ErardInput){{ sizeof input, {kind}, {} }};", drawn.join(", "));
     if function.name == "erard_status_text" {
         bad = false;

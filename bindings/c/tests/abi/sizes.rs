@@ -40,6 +40,8 @@ int main(void) {
     CHECK(erard_action_step_force(action, 5.0, &reading) == 0 && reading.time_s > 0.0);
     CHECK(reading.struct_size == sizeof reading);
 
+    const uint32_t first_input = 56;
+
     /* Zero, smaller than in any header, no multiple of 8, and memory that was never set. */
     const uint32_t wrong[] = {0, 8, sizeof reading - 8, sizeof reading + 4, 0xdeadbee8u};
     for (int n = 0; n < 5; n++) {
@@ -60,7 +62,7 @@ int main(void) {
         CHECK(erard_action_read(action, &reading) == ERARD_STATUS_STRUCT);
         CHECK(erard_keyboard_read(keyboard, 1, &reading) == ERARD_STATUS_STRUCT);
         CHECK(!memcmp(&reading, &was, sizeof reading));
-        input.struct_size = n == 2 ? sizeof input - 8 : n == 3 ? sizeof input + 4 : wrong[n];
+        input.struct_size = n == 2 ? first_input - 8 : n == 3 ? sizeof input + 4 : wrong[n];
         CHECK(erard_action_step_input(action, &input, NULL) == ERARD_STATUS_STRUCT);
         CHECK(erard_action_advance(action, 1e-3, &input, NULL) == ERARD_STATUS_STRUCT);
         CHECK(erard_keyboard_drive(keyboard, 40, &input) == ERARD_STATUS_STRUCT);
@@ -74,6 +76,14 @@ int main(void) {
         CHECK(erard_action_read(action, &reading) == 0 && reading.time_s == before);
     }
     CHECK(strlen(erard_status_text(ERARD_STATUS_STRUCT)) > 10);
+
+    /* The first header had no joints: they are stiff. */
+    ErardInput hand = {
+        .struct_size = sizeof hand, .kind = ERARD_INPUT_HAND, .hand_mass_kg = 0.2, .force_n = 5.0, .joints_m_per_n = -1.0
+    };
+    CHECK(erard_action_step_input(action, &hand, NULL) != 0);
+    hand.struct_size = first_input;
+    CHECK(erard_action_step_input(action, &hand, NULL) == 0);
 
     /* A later header's structs: what both know, and 0 in what this library does not know. */
     LaterReading later;

@@ -317,9 +317,12 @@ fn pressed(table: &mut Table, instrument: &Instrument, key: &str) -> Result<Vec<
     Ok(peaks)
 }
 
+/// A value of a struck note, ms; `None` where it does not happen.
+type Value = fn(&Struck) -> Option<f64>;
+
 /// Travel, key bottom and free flight over the hammer's speed: three grands, and the model.
 fn chart(played: &[(&str, Vec<Struck>)]) -> Chart {
-    let value: [(Timing, fn(&Struck) -> Option<f64>, &str); 3] = [
+    let value: [(Timing, Value, &str); 3] = [
         (Timing::Travel, |one| Some(one.travel_ms), "hand's contact to string (ms)"),
         (Timing::KeyBottom, |one| one.bottom_ms, "string to key bottom (ms)"),
         (Timing::FreeFlight, |one| Some(one.flight_ms), "largest speed to string (ms)"),
