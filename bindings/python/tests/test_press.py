@@ -84,12 +84,12 @@ def test_strokes(grand: erard.Instrument) -> None:
     stiff = grand.press(hammer_speed=2.5, touch="struck", hand=erard.Hand(joints_m_per_n=0.0), duration=0.1)
     assert np.array_equal(own["key_m"], typed["key_m"]) and not np.array_equal(own["key_m"], stiff["key_m"])
     soft = grand.press(force=6.0, hand=erard.Hand(start_m_per_s=0.3, joints_m_per_n=0.5e-3), duration=0.1)
-    assert soft.hammer_speed < grand.press(force=6.0, hand=erard.Hand(start_m_per_s=0.3), duration=0.1).hammer_speed  # type: ignore[operator]
+    assert abs(soft.hammer_speed / grand.press(force=6.0, hand=erard.Hand(start_m_per_s=0.3), duration=0.1).hammer_speed - 1.0) > 0.05  # type: ignore[operator]
     with pytest.raises(erard.InputError, match="compliance of the joints"):
         grand.press(force=6.0, hand=erard.Hand(joints_m_per_n=1.0))
     with pytest.raises(erard.InputError, match="reaches 0.0.* to 6"):
         grand.press(hammer_speed=8.0)
-    assert grand.press(stroke="mf", drive="force").hammer_speed == pytest.approx(1.942, abs=1e-3)
+    assert grand.press(stroke="mf", drive="force").hammer_speed == pytest.approx(1.921, abs=1e-3)
     assert grand.press(stroke="ff", touch="struck").hammer_speed > grand.press(stroke="pp").hammer_speed  # type: ignore[operator]
     depth = 0.0045 * (1 - np.cos(np.pi * np.linspace(0, 1, 51)))
     rigid = grand.press(rigid=depth, dt=1e-3, duration=0.05)
@@ -204,10 +204,10 @@ def test_the_other_model_and_the_pins(grand: erard.Instrument, run: erard.Run) -
     assert pins.columns[: len(run.columns)] == run.columns and all(np.array_equal(pins[name], run[name]) for name in run)
     assert pins.units["key_rad_per_s2"] == "rad/s2" and pins.units["key_back_pin_y_N"] == "N"
     assert np.all(np.isfinite(pins["key_back_pin_y_N"]))
-    # At rest the balance pin carries the key (140 g) and what presses it down, less what the punching carries. The
-    # check leans on the hammer at a slant, so that a part of its force comes on top.
+    # At rest the balance rail, and the dry balance pin beside it, carry the key (140 g) and what presses it down, less
+    # what the punching carries. The check leans on the hammer at a slant, so that a part of its force comes on top.
     down = 5.0 + sum(pins[name][-1] for name in ("capstan_heel_N", "key_damper_N")) + 0.140 * 9.81
-    on_top = pins["key_back_pin_y_N"][-1] - (down - pins["key_front_N"][-1])
+    on_top = pins["balance_rail_N"][-1] + pins["key_back_pin_y_N"][-1] - (down - pins["key_front_N"][-1])
     assert 0.0 < on_top < np.hypot(pins["check_N"][-1], pins["check_tangential_N"][-1])
     alone = grand.press(stroke={"time_s": run["time_s"], "key_m": run["key_m"]}, drive="motion", duration=0.05)
     assert any("without a recorded force" in note for note in alone.notes) and not run.notes

@@ -4,9 +4,6 @@
 //! of the code that wrote it. The computed side is the engine's contact point in a run, or, where a zone is nearly
 //! closed, worked out here from the file's geometry.
 
-#[path = "../../erard/tests/common/lying.rs"]
-mod lying;
-
 use erard::instrument::{Body, Curve, Instrument, InstrumentFile, Vec2, Zone};
 use erard::keyboard::Keyboard;
 use erard::run::Run;
@@ -292,8 +289,6 @@ fn what_touches_is_drawn_touching() {
         ("key 88", keyboard.key(88).unwrap()),
         ("moved", moved()),
         ("all screws turned", turned),
-        // Its key has an arm, which is a device and no piece of wood.
-        ("lying key", lying::lying_grand()),
     ];
     let mut worst: f64 = 0.0;
     // Bending as they ship, and as rigid parts.

@@ -116,7 +116,7 @@ impl Live {
         if instruments.is_empty() || instruments.len() > KEYS {
             return Err(LiveError::Count { found: instruments.len() });
         }
-        let silent: Vec<Instrument> = instruments.iter().map(|one| one.with_rigid_string().with_nailed_key()).collect();
+        let silent: Vec<Instrument> = instruments.iter().map(|one| one.with_rigid_string().with_held_key()).collect();
         let moved: Vec<usize> =
             (1..=silent.len()).filter(|key| options.moved.as_ref().is_none_or(|moved| moved.contains(key))).collect();
         let dampers = DamperHeights::new(&silent);

@@ -103,7 +103,9 @@ def steps(given: Mapping[str, Any]) -> Steps:
         if key == "hand":
             if not (value is None or isinstance(value, Hand)):
                 raise InputError(f"hand: found {value!r}, expected an erard.Hand", key="hand", found=repr(value))
-            own[key] = None if value is None else Hand(**{name: x if x is None else number(f"hand.{name}", x) for name, x in value._asdict().items()})
+            if value is not None:
+                numbers: dict[str, Any] = {name: x if x is None else number(f"hand.{name}", x) for name, x in value._asdict().items()}
+                own[key] = Hand(**numbers)
             continue
         if key == "step" and value is None:
             continue

@@ -8,7 +8,7 @@ use crate::common::signals::until_it_listens;
 use serde_json::Value;
 
 const FILES: [&str; 6] = ["run.csv", "run.html", "run.parquet", "run.png", "run.svg", "summary.json"];
-const BODIES: [&str; 8] = ["key_back", "key", "whippen", "jack", "lever", "shank", "hammer", "damper"];
+const BODIES: [&str; 9] = ["key_back_pin", "key_back", "key", "whippen", "jack", "lever", "shank", "hammer", "damper"];
 
 fn columns(header: &str) -> Vec<&str> {
     header.trim_end().split(',').collect()
@@ -61,7 +61,7 @@ fn with_no_argument_the_grand_plays() {
     let names = columns(header);
     assert_eq!(names[..5], ["time_s", "force_N", "key_m", "hammer_rise_m", "hammer_rise_m_per_s"]);
     let angles: Vec<String> = BODIES.iter().flat_map(|b| [format!("{b}_rad"), format!("{b}_rad_per_s")]).collect();
-    assert_eq!(names[5..21], angles);
+    assert_eq!(names[5..23], angles);
     for sliding in ["jack_knuckle", "let_off_button", "check"] {
         assert!(names.contains(&format!("{sliding}_N").as_str()), "{names:?}");
         assert!(names.contains(&format!("{sliding}_tangential_N").as_str()), "{names:?}");

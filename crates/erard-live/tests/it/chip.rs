@@ -15,9 +15,9 @@ use crate::common::{GRAND, Press};
 #[path = "../../examples/chip/recorded.rs"]
 mod recorded;
 
-const BODIES: usize = 8;
-const ZONES: usize = 16;
-const LAWS: usize = 12;
+const BODIES: usize = 9;
+const ZONES: usize = 18;
+const LAWS: usize = 13;
 /// The step of `bindings/firmware`, s, and the usual one.
 const LONG_S: f64 = 250e-6;
 const SHORT_S: f64 = 50e-6;
@@ -25,8 +25,9 @@ const PERIOD_S: f64 = 1e-3;
 
 type Grand = BoardMechanism<f32, BODIES, ZONES, LAWS>;
 
-/// An instrument's action, in steps of `step_s`.
+/// An instrument's action, its key held as that of `erard live`, in steps of `step_s`.
 fn mechanism(instrument: &Instrument, step_s: f64) -> Grand {
+    let instrument = &instrument.with_held_key();
     let probes = probes(instrument);
     let outline = Outline {
         rest: Action::new(instrument).unwrap().angles().try_into().unwrap(),

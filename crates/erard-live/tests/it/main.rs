@@ -8,8 +8,6 @@ mod common;
 #[path = "../../../erard/tests/common/generated.rs"]
 mod generated;
 mod limited;
-#[path = "../../../erard/tests/common/lying.rs"]
-mod lying;
 mod played;
 mod press;
 mod streams;

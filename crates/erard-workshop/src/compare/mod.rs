@@ -11,10 +11,12 @@
 
 mod errors;
 mod force_uncertainty;
+mod key_back;
 
 pub use errors::{Band, Errors, Rest};
 pub use force_uncertainty::{ForceUncertainty, PathNoise};
 
+use key_back::KeyBack;
 use thiserror::Error;
 
 use erard::Progress;
@@ -282,7 +284,7 @@ pub fn compare_chosen(
         return Err(CompareError::TooLong { found_s: duration_s });
     }
     let reduced = reduce(instrument)?.instrument;
-    let at_the_back = (choice.position_of == PositionOf::KeyBack).then(|| instrument.driven_at_key_back());
+    let at_the_back = (choice.position_of == PositionOf::KeyBack).then(|| KeyBack::of(instrument));
     let time_s: Vec<f64> =
         (0..=(duration_s * RATE_HZ).floor() as usize).map(|n| start_s + n as f64 / RATE_HZ).collect();
     let mut notes = Vec::new();
@@ -340,18 +342,24 @@ pub fn compare_chosen(
     let resting = time_s.partition_point(|t| *t <= choice.rest_until_s);
     let mut trials = Vec::new();
     for (done, &(driven, which)) in plan.iter().enumerate() {
-        let drive: &Drive<'_> = match driven {
-            Prescribed::Force => &player::force(&force),
-            Prescribed::Motion => &player::motion(&tip_position),
-            Prescribed::Rigid => &player::rigid(&key_position),
-        };
-        let model = match (which, driven) {
+        let behind = at_the_back.as_ref().filter(|_| (which, driven) == (Which::Action, Prescribed::Rigid));
+        let model = match (which, behind) {
             (Which::OneDof, _) => &reduced,
-            (Which::Action, Prescribed::Rigid) => at_the_back.as_ref().unwrap_or(instrument),
-            (Which::Action, _) => instrument,
+            (Which::Action, Some(behind)) => &behind.instrument,
+            (Which::Action, None) => instrument,
         };
         let count = plan.len() as f64;
-        let run = simulate(model, drive, &setup, &mut |share| progress((done as f64 + share) / count))?;
+        let run = match (behind, &key) {
+            (Some(behind), Some(key)) => behind.play(key, (&time_s, RATE_HZ), &setup, progress)?,
+            _ => {
+                let drive: &Drive<'_> = match driven {
+                    Prescribed::Force => &player::force(&force),
+                    Prescribed::Motion => &player::motion(&tip_position),
+                    Prescribed::Rigid => &player::rigid(&key_position),
+                };
+                simulate(model, drive, &setup, &mut |share| progress((done as f64 + share) / count))?
+            }
+        };
         let key_m = interpolated(&run.time_s, &run.key_m, &time_s);
         let force_n = interpolated(&run.time_s, &run.force_n, &time_s);
         // A force-driven run of a file without position can be compared by the hammer only, and vice versa.
@@ -366,9 +374,11 @@ pub fn compare_chosen(
         };
         let played = |disturbed: &PositionSeries, progress: &mut Progress<'_>| {
             let path = disturbed.drive();
-            let drive: &Drive<'_> =
-                if driven == Prescribed::Rigid { &player::rigid(&path) } else { &player::motion(&path) };
-            let run = simulate(model, drive, &setup, progress)?;
+            let run = match (behind, driven) {
+                (Some(behind), _) => behind.play(disturbed, (&time_s, RATE_HZ), &setup, progress)?,
+                (None, Prescribed::Rigid) => simulate(model, &player::rigid(&path), &setup, progress)?,
+                (None, _) => simulate(model, &player::motion(&path), &setup, progress)?,
+            };
             Ok(interpolated(&run.time_s, &run.force_n, &time_s))
         };
         let path = match driven {

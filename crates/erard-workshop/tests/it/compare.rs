@@ -139,8 +139,11 @@ fn the_point_that_was_measured_is_driven() {
     let setup = Setup { settings: Settings::new(50e-6), record_every: Some(1), ..Setup::new(0.06) };
     let run = simulate(&grand, &player::force(&force), &setup, &mut |_| true).unwrap();
     let back = &run.bodies[grand.first_piece(grand.roles.key.unwrap()).unwrap()].angle_rad;
-    let front_m = grand.roles.key_front_m[0];
-    let position: Vec<f64> = back.iter().map(|angle| -front_m * (angle - back[0])).collect();
+    // The sensor is above the back-rail cloth.
+    let (front_m, end_m) = (grand.roles.key_front_m[0], 0.225);
+    let lift = &run.lifts[0].lift_m;
+    let rise = (0..back.len()).map(|row| lift[row] - lift[0] + end_m * (back[row] - back[0]));
+    let position: Vec<f64> = rise.map(|rise| -front_m / end_m * rise).collect();
     let series = Series {
         force: None,
         position: Some(PositionSeries::new(run.time_s.clone(), position).unwrap()),
@@ -154,7 +157,8 @@ fn the_point_that_was_measured_is_driven() {
         c.trials[0].hammer_errors.as_ref().unwrap().rms
     };
     let [back, front] = [PositionOf::KeyBack, PositionOf::Key].map(rms_m);
-    assert!(back < 0.1e-3 && front > 5.0 * back, "{back} {front}");
+    // What is left is how the key swings on its punching, which such a sensor does not determine.
+    assert!(back < 0.3e-3 && front > 5.0 * back, "{back} {front}");
     // A key that does not bend has one place.
     let rigid = Instrument::builtin("concert-grand-rigid").unwrap();
     assert_eq!(rigid.driven_at_key_back(), rigid);

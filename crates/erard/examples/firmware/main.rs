@@ -5,7 +5,7 @@
 mod source;
 
 use erard::saved::{FNV1A, fnv1a};
-use erard::{Action, Input, Instrument};
+use erard::{Action, Input};
 
 fn main() {
     if std::env::args().nth(1).as_deref() == Some("digest") {
@@ -17,7 +17,7 @@ fn main() {
 
 /// 5 N for a quarter of a second, let go for another; FNV-1a over the bits of all angles.
 fn digest() -> u64 {
-    let mut action = Action::new(&Instrument::builtin("concert-grand").expect("built in")).expect("it comes to rest");
+    let mut action = Action::new(&source::instrument()).expect("it comes to rest");
     for n in 0..10_000 {
         action.step(Input::Force(if n < 5_000 { 5.0 } else { 0.0 }));
     }

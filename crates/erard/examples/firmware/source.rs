@@ -8,9 +8,14 @@ use erard::damper::damper_height_m;
 use erard::{Action, Instrument};
 use moreau::{Body, ContactCurve, Exponent, Felt, GROUND, Loss, Site, Spring, Zone};
 
-/// The built-in concert grand.
+/// The built-in concert grand, its key held as in `erard live`: a sensor gives where the key is.
+pub fn instrument() -> Instrument {
+    Instrument::builtin("concert-grand").expect("built in").with_held_key()
+}
+
+/// Its source.
 pub fn grand() -> String {
-    source("concert-grand", &Instrument::builtin("concert-grand").expect("built in"))
+    source("concert-grand", &instrument())
 }
 
 fn source(name: &str, instrument: &Instrument) -> String {

@@ -37,15 +37,30 @@ impl Instrument {
 
     /// Returns the instrument whose driven point is on the key's first piece, at the place of the front: a prescribed
     /// key motion moves the piece on the balance pin, and the front bends as it likes. A sensor behind the pin, whose
-    /// readings are referred to the front, sees that point. Not bent, it is the front.
+    /// readings are referred to the front, sees that point while the pivot does not move
+    /// ([`Instrument::key_back_misreads`]). Not bent, it is the front. A key that lies is held down
+    /// ([`Instrument::with_held_key`]): what is imposed on it could lift its pivot.
     #[must_use]
     pub fn driven_at_key_back(&self) -> Instrument {
-        let mut fields = self.fields.clone();
+        let mut fields = self.with_held_key().fields;
         if let Some(key) = fields.roles.key {
             fields.roles.key_front_m = self.placement_on_first(key).to_world(fields.roles.key_front_m);
             fields.roles.key = Some(self.first_piece_of(key));
         }
         Instrument { fields }
+    }
+
+    /// By how much a sensor behind the balance pin, calibrated at the front, reads the key's travel too large for each
+    /// metre that the key's pivot rises, m/m: one metre at the front, and what the lever makes of one at the key's end.
+    /// The end is the farthest contact behind the pivot; without one, it is as far from it as the front.
+    #[must_use]
+    pub fn key_back_misreads(&self) -> f64 {
+        let Some(key) = self.roles.key else { return 0.0 };
+        let first = self.first_piece_of(key);
+        let front_m = self.placement_on_first(key).to_world(self.roles.key_front_m)[0];
+        let contacts = self.zones.iter().filter(|zone| zone.disc_body == Some(first)).map(|zone| zone.disc_center_m[0]);
+        let end_m = contacts.map(|x_m| -x_m * front_m.signum()).fold(0.0, f64::max);
+        1.0 + if end_m > 0.0 { front_m.abs() / end_m } else { 1.0 }
     }
 
     /// Placement of a piece's frame in the frame of its part's first piece, as drawn.

@@ -24,7 +24,6 @@ const LIFT_M: f64 = 5e-3;
 
 /// Distance from a pivot within which a zone holds it, m: half of a punching.
 const AT_PIVOT_M: f64 = 10e-3;
-
 /// What holds a pivot that can move at right angles to the x axis of the body that carries it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bushing {
@@ -158,12 +157,25 @@ impl Instrument {
         Ok(Instrument { fields: other })
     }
 
-    /// Returns the instrument with its key nailed to its place ([`Instrument::nailed`]): for a key whose position a
-    /// sensor gives. What is imposed on the front of a key that lies can lift its pivot, and a sensor's noise does.
+    /// Returns the instrument with a key that lies held down as well, by a second felt like the one on which it lies,
+    /// from above: for a key whose position a sensor gives. What is imposed on the front of a key that lies can lift
+    /// its pivot, and a sensor's noise does. Under a load it sinks as before. A key that is nailed stays as it is.
     #[must_use]
-    pub fn with_nailed_key(&self) -> Instrument {
-        let nailed = self.roles.key.map(|key| self.nailed(self.first_piece_of(key)).expect("the key is a body"));
-        nailed.unwrap_or_else(|| self.clone())
+    pub fn with_held_key(&self) -> Instrument {
+        let key = self.roles.key.map(|key| self.first_piece_of(key));
+        let pin = key.and_then(|key| self.lying().find(|(_, lying)| *lying == key));
+        let Some((rail, (arm, key))) = key.and_then(|key| self.lies_on(key)).zip(pin) else { return self.clone() };
+        let mut other = self.fields.clone();
+        let mut above = other.zones[rail].clone();
+        // Where the pivot is drawn, in the frame of what carries the arm.
+        let drawn_m = [self.bodies[arm].pivot_m[0] + self.bodies[arm].center_of_mass_m[0], self.bodies[arm].pivot_m[1]];
+        above.name = format!("{}_from_above", above.name);
+        above.label = format!("{}, from above", above.label);
+        (above.disc_body, above.disc_center_m, above.disc_radius_m) = (Some(key), [0.0; 2], 0.0);
+        (above.curve_body, above.curve) =
+            (self.bodies[arm].parent, super::Curve::Line { point_m: drawn_m, normal: [0.0, -1.0] });
+        other.zones.push(above);
+        Instrument { fields: other }
     }
 
     /// Finds the zone on which the pivot of a body lies: side A is on this body within a centimetre of the pivot, and
@@ -336,6 +348,12 @@ damping_N_s_per_m = 10
         let [lying, without] = [lying, without].map(|text| Instrument::parse(&text, "key.toml").unwrap());
         assert_eq!((lying.roles.key, lying.roles.key_bottom, lying.screws.len()), (Some(1), Some(1), 2));
         assert_eq!(lying.nailed(1).unwrap(), without);
+        // Held, it has the felt from above besides, and its key can go nowhere.
+        let held = lying.with_held_key();
+        assert_eq!((held.zones.len(), &held.zones[..2], &held.bodies), (3, &lying.zones[..], &lying.bodies));
+        let most = |of: &Instrument| thrown(of).lifts[0].lift_m.iter().copied().fold(0.0, f64::max);
+        assert!(most(&held) < 0.2 * most(&lying), "{} {}", most(&held), most(&lying));
+        assert_eq!(without.with_held_key(), without);
         // What does not slide stays: the arm itself, and a key that is nailed.
         assert_eq!(lying.nailed(0).unwrap(), lying);
         assert_eq!(without.nailed(0).unwrap(), without);

@@ -5,7 +5,6 @@ pub mod digests;
 pub mod energy_audit;
 pub mod generated;
 pub mod ladder;
-pub mod lying;
 pub mod perturb;
 
 use std::f64::consts::PI;

@@ -59,12 +59,20 @@ pub fn perturbed(grand: &Instrument, seed: u64) -> Instrument {
     fn length(r: &mut Random, p: &mut Vec2) {
         p.iter_mut().for_each(|x| *x *= r.between(0.9, 1.1));
     }
+    // The arm of a pin is a device: its length is none of the instrument's, nor where the body lies on it.
+    let is_device: Vec<bool> = (0..grand.bodies.len()).map(|body| grand.is_arm(body)).collect();
     i.edit(|fields| {
-        for body in &mut fields.bodies {
+        for (k, body) in fields.bodies.iter_mut().enumerate() {
+            if is_device[k] {
+                body.friction_torque_n_m *= r.factor(2.0);
+                continue;
+            }
             let square = |c: Vec2| c[0] * c[0] + c[1] * c[1];
             let own = body.inertia_kg_m2 - body.mass_kg * square(body.center_of_mass_m);
             let (mass, size) = (r.factor(2.0), r.between(0.9, 1.1));
-            length(&mut r, &mut body.pivot_m);
+            if !body.parent.is_some_and(|parent| is_device[parent]) {
+                length(&mut r, &mut body.pivot_m);
+            }
             length(&mut r, &mut body.center_of_mass_m);
             body.mass_kg *= mass;
             body.inertia_kg_m2 = own * mass * size * size + body.mass_kg * square(body.center_of_mass_m);

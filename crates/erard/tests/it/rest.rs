@@ -31,7 +31,7 @@ fn drifts(run: &Run, since_s: f64) -> Vec<f64> {
 /// small.
 #[test]
 fn a_minute_of_rest() {
-    for (grand, holding) in [(rigid_grand(), 6), (grand(), 8)] {
+    for (grand, holding) in [(rigid_grand(), 6), (grand(), 9)] {
         for theta in [0.5, 1.0] {
             let run = Play::Free.run_every(&grand, settings(theta, FrictionLaw::SetValued), 60.0, Some(1000));
             let drift = largest(drifts(&run, 0.0));

@@ -41,8 +41,8 @@ fn per_step(run: &Run) -> f64 {
     run.work.solver_iterations as f64 / run.work.steps as f64
 }
 
-/// All built-in strokes and steps of force, both thetas. Gauss-Seidel takes twenty sweeps a step at most in the mean
-/// (eight bodies, whose stiff bends it has to carry from piece to piece), and ends within its limit but for a step or
+/// All built-in strokes and steps of force, both thetas. Gauss-Seidel takes 30 sweeps a step at most in the mean
+/// (nine bodies, whose stiff bends it has to carry from piece to piece), and ends within its limit but for a step or
 /// two of ten thousand, where a pin and a sliding contact that carry each other stick at once. Those are counted, and
 /// the answers are the same all the same.
 #[test]
@@ -61,7 +61,7 @@ fn same_blows(plays: &[Play]) {
         for play in plays {
             let [a, b] = compare(play, theta);
             println!("{play:?}, theta {theta}: {:.2} active sets, {:.2} sweeps a step", per_step(&a), per_step(&b));
-            assert!(per_step(&b) < 20.0, "{play:?}: {}", per_step(&b));
+            assert!(per_step(&b) < 30.0, "{play:?}: {}", per_step(&b));
             assert!(b.work.unconverged_steps <= b.work.steps / 5000, "{play:?}: {}", b.work.unconverged_steps);
         }
     }

@@ -44,12 +44,12 @@ fn recorded_and_modelled_keys_begin_with_their_landing() {
     assert_eq!(model[0], "modelled");
 }
 
-/// What a lying key changes, and what it leaves open: it comes back once, not twice, and no hold explains the first
-/// millimetre of a recorded release.
+/// What a lying key changes, and what it leaves open: it comes back once, not twice, no hold explains the first
+/// millimetre of a recorded release, and lead above the balance pin does not tell it from a nailed one.
 #[test]
 #[ignore = "ci: a slow subject of the report"]
 fn a_lying_key_returns_less_and_still_starts_too_slowly() {
-    assert_eq!(on_the_grand("lying-key"), [true, true, true, true, true, false, false]);
+    assert_eq!(on_the_grand("lying-key"), [true, false, true, true, true, false, false]);
 }
 
 /// What heel and knuckles give back. The spread of the file leaves out what gives back most: whoever changes it changes
