@@ -16,7 +16,7 @@ fuzz_target!(|bytes: &[u8]| match read(bytes) {
         }
         assert!(piece.pedals.is_sorted_by_key(|change| change.time_s));
         assert!(piece.pedals.iter().all(|change| change.time_s.is_finite() && change.value <= 127));
-        assert!(piece.remarks.iter().all(|remark| !remark.contains('\n')));
+        assert!(piece.remarks.lines().iter().all(|remark| !remark.contains('\n')));
     }
     Err(error) => assert!(!error.to_string().contains('\n')),
 });
