@@ -45,7 +45,8 @@ impl KeyBack {
         progress: &mut Progress<'_>,
     ) -> Result<Run, SimulationError> {
         let path = readings.drive();
-        let mut run = simulate(&self.instrument, &player::rigid(&path), setup, progress)?;
+        let mut of_run = |n: usize, share: f64| progress((n as f64 + share) / MOST_RUNS as f64);
+        let mut run = simulate(&self.instrument, &player::rigid(&path), setup, &mut |share| of_run(0, share))?;
         let rise = |run: &Run| {
             let lift = run.lifts.iter().find(|lift| Some(&lift.name) == self.key.as_ref())?;
             let rise = interpolated(&run.time_s, &lift.lift_m, time_s);
@@ -53,10 +54,11 @@ impl KeyBack {
             Some(Butterworth::low_pass(4, FOLLOWS_HZ, rate_hz)?.forth_and_back(&rise))
         };
         let Some(mut risen) = rise(&run) else { return Ok(run) };
-        for _ in 1..MOST_RUNS {
+        for n in 1..MOST_RUNS {
             let paths = time_s.iter().zip(&risen).map(|(&t, rise)| path(t)[0] - self.misreads * rise);
             let Ok(corrected) = PositionSeries::new(time_s.to_vec(), paths.collect()) else { break };
-            run = simulate(&self.instrument, &player::rigid(&corrected.drive()), setup, progress)?;
+            let drive = corrected.drive();
+            run = simulate(&self.instrument, &player::rigid(&drive), setup, &mut |share| of_run(n, share))?;
             let now = rise(&run).unwrap_or_default();
             let changed = risen.iter().zip(&now).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             risen = now;

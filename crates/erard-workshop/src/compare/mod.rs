@@ -349,15 +349,16 @@ pub fn compare_chosen(
             (Which::Action, None) => instrument,
         };
         let count = plan.len() as f64;
+        let mut own = |share: f64| progress((done as f64 + share) / count);
         let run = match (behind, &key) {
-            (Some(behind), Some(key)) => behind.play(key, (&time_s, RATE_HZ), &setup, progress)?,
+            (Some(behind), Some(key)) => behind.play(key, (&time_s, RATE_HZ), &setup, &mut own)?,
             _ => {
                 let drive: &Drive<'_> = match driven {
                     Prescribed::Force => &player::force(&force),
                     Prescribed::Motion => &player::motion(&tip_position),
                     Prescribed::Rigid => &player::rigid(&key_position),
                 };
-                simulate(model, drive, &setup, &mut |share| progress((done as f64 + share) / count))?
+                simulate(model, drive, &setup, &mut own)?
             }
         };
         let key_m = interpolated(&run.time_s, &run.key_m, &time_s);

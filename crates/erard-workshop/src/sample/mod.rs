@@ -7,7 +7,8 @@
 //!
 //! A sample depends on its number and the file alone, and has the same bits on every machine: integers, `libm` and the
 //! engine. Keys of one keyboard are one piano: its base instrument is drawn, graded over the keys, and each key is
-//! adjusted by itself. [`technicians_scatter`] then varies keys within what a technician can read.
+//! adjusted by itself; one that cannot be is the next piano's. [`technicians_scatter`] then varies keys within what a
+//! technician can read.
 
 mod band;
 mod bench;
