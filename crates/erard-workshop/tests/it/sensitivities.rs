@@ -53,6 +53,12 @@ fn derivatives_are_differences(instruments: &[&str]) {
         assert!(all.switches[0] > 5, "{:?}", all.switches);
         for row in &all.rows {
             let ([slope, error], name) = (row.differences.unwrap(), &all.by[row.by].name);
+            // The rest of the grand whose key lies has a corner every few micrometres of the capstan's height, where
+            // friction holds another joint; its slope over 40 um is 6 % from that at its own height.
+            let slope = match (instrument, &**name, all.of[row.of].key) {
+                ("concert-grand", "capstan_height", "hammer_contact_s") => slope_of_contact(instrument, name, 4e-7),
+                _ => slope,
+            };
             let apart = (slope - row.derivative).abs();
             assert!(
                 apart < 0.03 * slope.abs() + error + row.spread,
@@ -64,6 +70,24 @@ fn derivatives_are_differences(instruments: &[&str]) {
         // A stronger finger is faster, and earlier.
         assert!(by(&all, "force", of[0]).derivative > 0.0 && by(&all, "force", of[1]).derivative < 0.0);
     }
+}
+
+/// Slope of the hammer's contact, s per mm, by a screw turned by `half_m` to both sides, each from its own rest.
+fn slope_of_contact(name: &str, screw: &str, half_m: f64) -> f64 {
+    let instrument = Instrument::builtin(name).unwrap();
+    let parameters = erard::parameter::Parameter::all(&instrument);
+    let (_, parameter) = parameters.iter().find(|(known, _)| known == screw).unwrap();
+    let [low, high] = [-half_m, half_m].map(|by_m| {
+        let mut varied = instrument.clone();
+        parameter.vary(&mut varied, by_m).unwrap();
+        let mut action = Action::with(&varied, Settings::new(5e-6)).unwrap();
+        while action.impact().is_none() {
+            assert!(action.time_s() < 0.2, "{name} {by_m}");
+            action.step(Input::Force(5.0));
+        }
+        action.impact().unwrap().time_s
+    });
+    (high - low) / (2e3 * half_m)
 }
 
 /// A friction that holds the rest affects a press twice: by the rest at which it starts, and in its motion. Both
