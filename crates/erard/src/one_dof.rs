@@ -5,7 +5,9 @@
 //! from the full instrument by virtual power at rest: with the contacts named by `one_dof.transmits` closed, every body
 //! turns at a fixed ratio r_i to the key, and
 //!
-//! - J = r . M r, c_v = sum c_v,i (r_i - r_parent)^2, c_d = sum c_d,i |r_i - r_parent|,
+//! - J = r . M r, c_v = sum c_v,i (r_i - r_parent)^2,
+//! - c_d = sum c_d,i |r_i - r_parent| + sum mu_z N_z |s_z|, with the forces N_z of the contacts at rest and their slip
+//!   s_z per unit of key velocity,
 //! - alpha = power of gravity and springs per unit of key velocity.
 //!
 //! Bodies that those contacts do not reach (the damper, which the key picks up later) stay out of it.
@@ -88,6 +90,26 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
         moment += (spring.torque_n_m - spring.stiffness_n_m_per_rad * turned) * relative;
     }
 
+    for (z, zone) in full.zones.iter().enumerate() {
+        let largest = zone.friction_coefficient * rest.normal_force(z);
+        if largest > 0.0 {
+            let (center, at) = (rest.point(zone.disc_body, zone.disc_center_m), rest.contact_point(z));
+            let normal = unit([center[0] - at[0], center[1] - at[1]]);
+            let along = [-normal[1], normal[0]];
+            let speed = |body: Option<usize>| {
+                body.map_or(0.0, |b| {
+                    // The contact point in the body's own frame.
+                    let [origin, x] = [[0.0, 0.0], [1.0, 0.0]].map(|point| rest.point(Some(b), point));
+                    let [x, y] = [[x[0] - origin[0], x[1] - origin[1]], [at[0] - origin[0], at[1] - origin[1]]];
+                    let own = [x[0] * y[0] + x[1] * y[1], x[0] * y[1] - x[1] * y[0]];
+                    rest.velocity_row(b, own, along).iter().zip(&ratios).map(|(a, r)| a * r).sum()
+                })
+            };
+            let slip: f64 = speed(zone.disc_body) - speed(zone.curve_body);
+            dry += largest * slip.abs();
+        }
+    }
+
     let body = Body {
         parent: None,
         mass_kg: 0.0,
@@ -126,6 +148,11 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
     };
     let instrument = Instrument { fields };
     Ok(OneDof { instrument, ratios, inertia_kg_m2: inertia, moment_n_m: moment })
+}
+
+fn unit([x, y]: [f64; 2]) -> [f64; 2] {
+    let length = x.hypot(y);
+    [x / length, y / length]
 }
 
 /// A stop of the key as a zone of the one-body instrument.

@@ -62,8 +62,8 @@ mod tests {
         for (name, typed, expected) in [
             ("let_off", "-1", -1e-3),
             ("let_off", "+0.5mm", 5e-4),
-            // From the setting in the file, 0.0568 mm.
-            ("let_off", "0.5mm", 4.432e-4),
+            // From the setting in the file, 0.0538 mm.
+            ("let_off", "0.5mm", 4.462e-4),
             ("set_off", " -0.5 mm ", -5e-4),
             ("repetition_spring", "+2N mm", 2e-3),
             ("body.hammer.mass", "x0.9", 0.9),

@@ -27,16 +27,16 @@ fn instruments() {
     let cases: [(&str, &str, &[&str]); 6] = [
         ("mass_g = ", "mass = ", &["`body.key_back.mass`", "expected `mass_g`"]),
         (
-            "mass_g = { value = 85.98",
-            "mass_g = { value = -85.98",
-            &["`body.key.mass_g.value`", "-85.98", "greater than 0"],
+            "mass_g = { value = 88.98",
+            "mass_g = { value = -88.98",
+            &["`body.key.mass_g.value`", "-88.98", "greater than 0"],
         ),
         (
-            "mass_g = { value = 85.98",
+            "mass_g = { value = 88.98",
             "mass_g = { value = nan",
             &["`body.key.mass_g.value`", "nan", "not a finite number"],
         ),
-        ("mass_g = { value = 85.98", "mass_g = { value = \"heavy\"", &["`body.key.mass_g.value`", "heavy"]),
+        ("mass_g = { value = 88.98", "mass_g = { value = \"heavy\"", &["`body.key.mass_g.value`", "heavy"]),
         ("body = \"lever\"\ncenter_mm", "body = \"leverr\"\ncenter_mm", &["no such body", "\"leverr\"", "`lever`"]),
         ("[[zone]]", "[[zone]", &["TOML"]),
     ];

@@ -252,7 +252,7 @@ fn bad_arguments() {
         (&["--to-travel", "inf"], "expected a length"),
         (&["--to-travel", "2m"], "--to-travel 2000: expected a number of at most 1000 mm"),
         (&["--to-travel", "ten"], "invalid value 'ten'"),
-        (&["--from-travel", "9"], "let-off, 5.71 mm"),
+        (&["--from-travel", "9"], "let-off, 5.74 mm"),
         (&["c7f-like", "--instrument", "concert-grand"], "cannot be used with"),
         (&["concert-grand"], "`concert-grand` is an instrument: --instrument concert-grand"),
         (&["d-like"], "no built-in linkage `d-like` (built in: c7f-like, steinway-o-like)"),

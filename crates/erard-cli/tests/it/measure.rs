@@ -17,7 +17,7 @@ fn json(folder: &Folder) -> Value {
 }
 
 /// The keys that the sheet promises.
-const KEYS: [&str; 19] = [
+const KEYS: [&str; 20] = [
     "down_weight_g",
     "up_weight_g",
     "balance_weight_g",
@@ -26,6 +26,7 @@ const KEYS: [&str; 19] = [
     "strike_weight_g",
     "whippen_weight_g",
     "key_ratio",
+    "friction_in_balance_g",
     "strike_weight_ratio_weights",
     "strike_weight_ratio_kinematics",
     "dip_mm",

@@ -60,7 +60,7 @@ fn impacts_of_all_levels_are_announced() {
 #[test]
 fn a_free_flight_is_shorter() {
     let parts = Anatomy::find(&GRAND).unwrap();
-    let bounds = [4.0, 3.0, 2.0, 1.5, 1.0];
+    let bounds = [5.0, 3.0, 2.0, 1.5, 1.0];
     for ((name, speed), most_ms) in LEVELS.into_iter().zip(bounds) {
         let press = Press::to(speed);
         let mut action = Action::new(&GRAND).unwrap();

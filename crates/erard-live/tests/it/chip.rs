@@ -17,7 +17,7 @@ mod recorded;
 
 const BODIES: usize = 9;
 const ZONES: usize = 18;
-const LAWS: usize = 13;
+const LAWS: usize = 15;
 /// The step of `bindings/firmware`, s, and the usual one.
 const LONG_S: f64 = 250e-6;
 const SHORT_S: f64 = 50e-6;

@@ -60,9 +60,9 @@ fn a_clock_may_begin_anew() {
         let (ons, offs, report) = (ons(&events), offs(&events), live.report());
         assert!(ons.len() == 4 && offs.len() == 4 && ons.is_sorted_by(|a, b| a[0] < b[0]), "{has_header}: {events:?}");
         assert_eq!((report.new_clocks, report.dropped_stamps, report.unseen_releases), (1, 0, 1), "{report:?}");
-        // The same presses, to the last digits.
+        // The same presses, to a tenth of a count of MIDI: what rubs lets the first begin from another rest.
         for i in 0..2 {
-            assert!((ons[i][1] / ons[i + 2][1] - 1.0).abs() < 1e-3, "{ons:?}");
+            assert!((ons[i][1] / ons[i + 2][1] - 1.0).abs() < 2e-3, "{ons:?}");
         }
     }
 }

@@ -48,6 +48,8 @@ pub struct Sheet {
     pub whippen_weight_g: f64,
     /// Grams at the front per gram over the capstan.
     pub key_ratio: f64,
+    /// Friction contained in the balance weight, g: half of what the friction where D is decided exceeds that where U is.
+    pub friction_in_balance_g: Option<f64>,
     /// R, by the equation of balance: (BW + FW - KR WW) / SW.
     pub strike_weight_ratio_weights: Option<f64>,
     /// R from the two forces of the slow loop half-way, where friction cancels.

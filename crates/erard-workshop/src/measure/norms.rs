@@ -70,7 +70,7 @@ pub struct Group {
 type Value = (&'static str, fn(&Sheet) -> Option<f64>);
 
 /// Values of the lines in a sheet.
-const VALUES: [Value; 46] = [
+const VALUES: [Value; 47] = [
     ("down_weight_g", |s| s.down_weight_g),
     ("up_weight_g", |s| s.up_weight_g),
     ("balance_weight_g", |s| s.balance_weight_g),
@@ -84,6 +84,7 @@ const VALUES: [Value; 46] = [
     ("strike_weight_g", |s| Some(s.strike_weight_g)),
     ("whippen_weight_g", |s| Some(s.whippen_weight_g)),
     ("key_ratio", |s| Some(s.key_ratio)),
+    ("friction_in_balance_g", |s| s.friction_in_balance_g),
     ("strike_weight_ratio_weights", |s| s.strike_weight_ratio_weights),
     ("strike_weight_ratio_weights_half_way", |s| s.strike_weight_ratio_weights_half_way),
     ("strike_weight_ratio_kinematics_at_rest", |s| Some(s.strike_weight_ratio_kinematics_at_rest)),
@@ -217,12 +218,18 @@ const DAMPER: &str = "damper_start_share";
 const RATIOS_AGREE: f64 = 0.02;
 const WAYS_AGREE_G: f64 = 0.5;
 
-/// How far R by the equation of balance is from the lever ratio, as a share and in words.
+/// How far R by the equation of balance, without the friction that the balance weight contains, is from the lever
+/// ratio, as a share; and the difference with that friction in words.
 fn ratios_apart(sheet: &Sheet) -> Option<(f64, String)> {
-    let apart = (sheet.strike_weight_ratio_weights? / sheet.strike_weight_ratio_kinematics - 1.0).abs();
+    let levers = sheet.strike_weight_ratio_kinematics;
+    let ratio = sheet.strike_weight_ratio_weights?;
+    let mut apart = (ratio / levers - 1.0).abs();
     let mut words = format!("R and the lever ratio where D and U are decided differ by {:.1} %", 100.0 * apart);
+    if let Some(friction_g) = sheet.friction_in_balance_g {
+        apart = ((ratio - friction_g / sheet.strike_weight_g) / levers - 1.0).abs();
+        words += &format!("; without the {friction_g:.1} g of friction that BW contains, by {:.1} %", 100.0 * apart);
+    }
     if let Some(half_way) = sheet.strike_weight_ratio_weights_half_way {
-        // Down-weight and up-weight are decided at different places: BW contains any difference of their friction.
         let there = half_way / sheet.strike_weight_ratio_kinematics_half_way - 1.0;
         words += &format!("; half-way, where friction cancels, by {:.1} %", 100.0 * there.abs());
     }

@@ -254,6 +254,10 @@ impl Results {
             strike_weight_g: part(|p| p.strike_weight_g),
             whippen_weight_g: part(|p| p.whippen_weight_g),
             key_ratio: part(|p| p.key_ratio),
+            friction_in_balance_g: self
+                .touch
+                .as_ref()
+                .and_then(|touch| touch.friction_in_balance_g(instrument.gravity_m_per_s2)),
             strike_weight_ratio_weights: by_weights(tried.balance_weight_g),
             strike_weight_ratio_weights_half_way: by_weights(half_way_balance),
             strike_weight_ratio_kinematics: ratio(|r| r.where_weighed),

@@ -10,6 +10,8 @@
 //!
 //! gives the strike-weight ratio R. The lever ratio checks it: speed of a mass at the strike weight's place, with the
 //! shank level, over the speed of the key front, by the geometry. Without friction the two are one number at one place.
+//! D is decided near rest and U near let-off, where friction that grows with the load is less: BW contains half of the
+//! difference ([`KeyWeights::friction_in_balance_g`]), and the trade's R with it.
 
 use super::levers::Levers;
 use super::slow_loop::{SlowLoop, first_touch, slow_loop};
@@ -74,6 +76,16 @@ impl KeyWeights {
     pub fn balance_weight_at(&self, key_m: f64, gravity_m_per_s2: f64) -> Option<f64> {
         let force = 0.5 * (self.slow.down.force(key_m)? + self.slow.up.force(key_m)?);
         Some(force / gravity_m_per_s2 * G_PER_KG)
+    }
+
+    /// Friction contained in the balance weight, g: half of what the friction where D is decided exceeds that where U
+    /// is. Friction that grows with the load does, since the levers' ratio is larger near rest, where D is decided.
+    /// Read from the slow loop, whose two forces at one place tell them apart; positive where BW is read too high.
+    #[must_use]
+    pub fn friction_in_balance_g(&self, gravity_m_per_s2: f64) -> Option<f64> {
+        // Nearer to its rest the cloths push the key.
+        let [down, up] = self.decided_m.map(|key_m| self.balance_weight_at(key_m.max(HOME_M), gravity_m_per_s2));
+        Some(self.by_loop.balance_weight_g()? - 0.5 * (down? + up?))
     }
 }
 

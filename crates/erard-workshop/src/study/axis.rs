@@ -631,8 +631,8 @@ mod tests {
     fn ranges_and_lists_are_read() {
         let axis = |text: &str| Axis::parse(text, &grand(), &read()).unwrap_or_else(|error| panic!("{text}: {error}"));
         let screw = axis("let_off=-1mm..1mm:5");
-        // Its setting in the file is 0.0568 mm.
-        assert_eq!(screw.shown, [-0.9432, -0.4432, 0.0568, 0.5568, 1.0568]);
+        // Its setting in the file is 0.0538 mm.
+        assert_eq!(screw.shown, [-0.9462, -0.4462, 0.0538, 0.5538, 1.0538]);
         assert_eq!((screw.column().as_str(), screw.changes[0]), ("let_off_mm", Change::Add(-1e-3)));
         let angle = axis("back_check_angle=-2deg..2 degrees:2");
         assert_eq!(angle.column(), "back_check_angle_degrees");
@@ -648,8 +648,8 @@ mod tests {
             ("zone.string.stiffness=*2", "zone.string.stiffness_factor", vec![2.0]),
             ("zone.string.stiffness=2e8", "zone.string.stiffness_N_per_m_r", vec![2e8]),
             ("let_off=0.004in", "let_off_mm", vec![0.1016]),
-            ("let_off=\u{2212}0.2", "let_off_mm", vec![-0.1432]),
-            ("set_off=+0.2", "let_off_mm", vec![0.2568]),
+            ("let_off=\u{2212}0.2", "let_off_mm", vec![-0.1462]),
+            ("set_off=+0.2", "let_off_mm", vec![0.2538]),
             ("body.wippen.mass=x2", "body.whippen.mass_factor", vec![2.0]),
             ("force=1N..20:3", "force_N", vec![1.0, 10.5, 20.0]),
             ("force=100gf", "force_N", vec![0.980_665]),

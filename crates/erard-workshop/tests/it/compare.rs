@@ -79,8 +79,9 @@ fn known_errors_are_found() {
         c.trial(driven, which).unwrap().errors.clone().unwrap()
     };
     let one_dof = errors(BEFORE_THE_STOPS_S, Prescribed::Force, Which::OneDof);
-    // The softer the felts of the train, the less of its motion one degree of freedom explains: 0.78.
-    assert!(one_dof.explained > 0.75, "force driven, one degree of freedom: {one_dof:?}");
+    // The softer the felts of the train, and the more of its friction grows with the load, the less of its motion one
+    // degree of freedom explains: 0.74.
+    assert!(one_dof.explained > 0.7, "force driven, one degree of freedom: {one_dof:?}");
     // A series that ends in motion would end with a jerk (a position is held at the end of its series): wait until the
     // key rests.
     let action = errors(0.4, Prescribed::Rigid, Which::Action);
@@ -126,7 +127,7 @@ fn whose_position_it_is() {
     };
     let [motion, rigid] = [Prescribed::Motion, Prescribed::Rigid].map(|driven| explained(PositionOf::Key, driven));
     // At 2 kHz the motion imposed on the key lacks higher frequencies.
-    assert!(motion > 0.99 && rigid > 0.98, "{motion} {rigid}");
+    assert!(motion > 0.99 && rigid > 0.97, "{motion} {rigid}");
     let misread = explained(PositionOf::Fingertip, Prescribed::Motion);
     assert!(misread < 0.9, "{misread}");
 }

@@ -410,7 +410,7 @@ fn names_its_mutant(seeds: std::ops::Range<u64>) {
 /// step. A balance kept from outside, in other arithmetic, agrees. Bounds are far from the usual values of runs.
 #[test]
 fn a_study_distrusts_what_a_press_does() {
-    distrusts_alike(56..72);
+    distrusts_alike(56..80);
 }
 
 fn distrusts_alike(seeds: std::ops::Range<u64>) {

@@ -69,7 +69,7 @@ fn a_slow_press_lifts_the_hammer_as_far() {
     assert!((ratios[1] / ratios[0] - 1.0).abs() < 0.03, "{ratios:?}");
     assert!(rms < 1.0, "{rms}");
     // Let-off was regulated for this with the front driven; finding it with the recorded key as well is not implied.
-    assert!((top(&measured) - top(&simulated)).abs() < 0.6);
+    assert!((top(&measured) - top(&simulated)).abs() < 0.8);
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn medium_and_fast_strokes_throw_the_hammer() {
     let instrument = regulated();
     // The fast hammer is early by 3.5 ms, a miss: the train yields or loses too little (`erard-reproduce --only
     // train-felts`).
-    for (stroke, least, early_ms, faster) in [("medium", 0.99, 2.0, 1.1), ("fast", 0.95, 4.0, 1.2)] {
+    for (stroke, least, early_ms, faster) in [("medium", 0.99, 2.5, 1.1), ("fast", 0.95, 4.0, 1.2)] {
         let comparison = led(&instrument, stroke, 250.0);
         let explained =
             comparison.trial(Prescribed::Rigid, Which::Action).unwrap().hammer_errors.as_ref().unwrap().explained;

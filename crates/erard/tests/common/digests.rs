@@ -76,7 +76,7 @@ pub fn long_level_run() -> u64 {
 
 /// The digest of [`long_level_run`]. It changes with the engine, the concert grand, the hands and the search for their
 /// levels.
-pub const LEVELS_PLAYED: u64 = 0xe851_b047_80dd_b6e7;
+pub const LEVELS_PLAYED: u64 = 0xac5d_4a7a_f348_fef6;
 
 /// The digest of [`long_hand_run`]. It changes with every change to the arithmetic of the engine, of hands and of their
 /// strokes, and to the rigid grand.
@@ -84,7 +84,7 @@ pub const HANDS: u64 = 0x13bc_252b_a380_a651;
 
 /// The digest of [`long_bending_run`]. It changes with every change to the arithmetic of the engine, to the concert
 /// grand and to the built-in strokes.
-pub const BENDING: u64 = 0xe3ca_2533_855d_54a8;
+pub const BENDING: u64 = 0xa2f0_f54c_bbf5_dc0d;
 
 /// The digest of [`long_run`]. It changes with every change to the arithmetic of the engine and to the rigid grand, and
 /// with nothing else. When it is meant to change, look at the other tests' numbers first, then put the new value, which
@@ -94,7 +94,7 @@ pub const GOLDEN: u64 = 0x018d_4f2c_7fd6_4e6f;
 /// The digest of all built-in instruments and of the built-in keyboard's keys as loaded: with [`GOLDEN`] it says on
 /// which side of the loader a difference between two targets arises. It changes with every number of these instruments
 /// that changes a step.
-pub const LOADED: u64 = 0x3c3b_1636_d719_aed3;
+pub const LOADED: u64 = 0x5a4a_22b3_c94c_666f;
 
 /// The digest of everything that is built in, as loaded: of the instruments' own ([`erard::identity`]).
 pub fn loaded() -> u64 {

@@ -2,6 +2,7 @@
 
 use crate::common::{Play, USUAL_STEP_S, grand, rigid_grand};
 use erard::assembly::assemble;
+use erard::grand::{Parts, front_weight_g};
 use erard::instrument::Instrument;
 use erard::one_dof::reduce;
 use erard::player;
@@ -33,23 +34,29 @@ fn slow(instrument: &Instrument, depth: f64) -> [f64; 2] {
     [mean(depth / V), mean(2.0 * turn - depth / V)]
 }
 
-/// The moment alpha and the friction c_d that virtual power gives, against forces measured on the six bodies: the
-/// balance force is the mean of the forces down and up, friction half their difference. The levers' ratio falls over
-/// the stroke (by 3 % per mm), so that the balance forces at 1, 2 and 3 mm are extrapolated to rest; what is left is of
-/// second order in the ratio's change over those 2 mm, (6 %)^2: below 1 %. Friction torques do not follow the weights'
-/// ratio; their mean over the same depths is off by that change at most, 6 %.
+/// The moment alpha and the friction c_d that virtual power gives, against forces measured on the six bodies. What rubs
+/// is loaded by the stack, so that friction grows with the stack's force S at the key front: down and up it is S e^f and
+/// S e^-f, of which the key's own weight W at the front carries a part. The balance force is the geometric mean of D + W
+/// and U + W less W, friction half the difference of D and U. The levers' ratio falls over the stroke (by 3 % per mm), so
+/// that the forces at 1, 2 and 3 mm are extrapolated to rest; what is left is of second order in the ratio's change over
+/// those 2 mm, (6 %)^2: below 1 %. Friction needs 8 %: at rest the lever carries the hammer alone, while in motion the
+/// jack takes 0.05 N of it (0.25 of it over a slip of 0.08 m per radian: 4 % of the friction), and what moves down
+/// presses a little harder than what moves up spares.
 #[test]
 fn moment_and_friction_are_those_of_the_mechanism() {
     let grand = grand();
     let one = reduce(&grand).unwrap();
     let forces = [1e-3, 2e-3, 3e-3].map(|depth| slow(&grand, depth));
-    let [a, b, c] = forces.map(|[down, up]| (down + up) / 2.0);
+    let locked = grand.locked();
+    let own = 1e-3 * locked.gravity_m_per_s2 * front_weight_g(&locked, &Parts::of(&locked).unwrap(), ARM_M).unwrap();
+    let [a, b, c] = forces.map(|[down, up]| ((down + own) * (up + own)).sqrt() - own);
     let balance = (4.0 * a + b - 2.0 * c) / 3.0;
-    let friction = forces.iter().map(|[down, up]| (down - up) / 6.0).sum::<f64>();
+    let [a, b, c] = forces.map(|[down, up]| (down - up) / 2.0);
+    let friction = (4.0 * a + b - 2.0 * c) / 3.0;
     let (alpha, dry) = (-one.moment_n_m / ARM_M, one.instrument.bodies[0].friction_torque_n_m / ARM_M);
     println!("balance {balance:.4} N, alpha / arm {alpha:.4} N; friction {friction:.4} N, c_d / arm {dry:.4} N");
     assert!((balance / alpha - 1.0).abs() < 0.01, "{balance} {alpha}");
-    assert!((friction / dry - 1.0).abs() < 0.06, "{friction} {dry}");
+    assert!((friction / dry - 1.0).abs() < 0.08, "{friction} {dry}");
     // And the one-body mechanism itself gives back what it was made from (its finger moves on a circle: 1e-3).
     let [down, up] = slow(&one.instrument, 2e-3);
     assert!(((down + up) / 2.0 / alpha - 1.0).abs() < 1e-3);

@@ -38,7 +38,7 @@ fn a_minute_of_rest() {
             let friction = &run.final_pivot_friction_n_m;
             println!("rest 60 s, set-valued, theta {theta}: drift {drift:e} rad, friction torques {friction:.5?} N m");
             assert_eq!(drift, 0.0);
-            assert_eq!(friction.iter().filter(|f| f.abs() > 5e-5).count(), holding, "{friction:?}");
+            assert_eq!(friction.iter().filter(|f| f.abs() > 4e-5).count(), holding, "{friction:?}");
         }
     }
 }

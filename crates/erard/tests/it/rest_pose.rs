@@ -19,11 +19,11 @@ fn blow_m(rest: &RestPose) -> f64 {
     -at(rest).compression(rest.instrument().roles.string.unwrap()).unwrap()
 }
 
-/// As drawn, it is the start of a run, to the bit; as played, the hammer of the concert grand lies half a millimetre
-/// lower, that of its rigid copy higher.
+/// As drawn, it is the start of a run, to the bit; as played, the hammer of the concert grand lies nine tenths of a
+/// millimetre lower, that of its rigid copy higher.
 #[test]
 fn a_run_starts_as_drawn_and_a_technician_as_played() {
-    for (instrument, lower_mm) in [(grand(), 0.3..0.8), (rigid_grand(), -1.0..-0.3)] {
+    for (instrument, lower_mm) in [(grand(), 0.6..1.1), (rigid_grand(), -1.0..-0.3)] {
         let (drawn, played) = (found(&instrument, RestKind::AsDrawn), found(&instrument, RestKind::AsPlayed));
         let own = Action::with(&instrument, Settings::new(USUAL_STEP_S)).unwrap();
         assert_eq!(at(&drawn).angles(), own.angles());
