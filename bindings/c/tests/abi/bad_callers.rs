@@ -289,3 +289,68 @@ fn threads() {
     assert!(moved.join().unwrap().time_s > before.time_s);
     assert_eq!(last_error(), mine);
 }
+
+/// Steps of 1 ms are far too long for motions of up to 10 m/s and forces of 10 kN, all of them legal: the action may
+/// fly apart. A refused call then leaves every byte of the state, and no reading with the status OK has a number that
+/// is not finite.
+#[test]
+fn what_flies_apart_is_refused_without_a_trace() {
+    let (mut refused, mut taken) = (0, 0);
+    for name in ["concert-grand", "heavy-touch", "concert-grand-rigid"] {
+        let text = erard::Instrument::builtin_text(name).expect("it is built in");
+        for seed in 1..=20_u64 {
+            let mut status = ErardStatus::Internal;
+            let action = Action(unsafe { erard_action_new(text.as_ptr().cast(), text.len(), 1e-3, &raw mut status) });
+            assert_eq!(status, ErardStatus::Ok, "{}", last_error());
+            let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+            let mut chance = || {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                2.0 * (state >> 11) as f64 / (1_u64 << 53) as f64 - 1.0
+            };
+            for n in 0..120 {
+                let before = action.save();
+                let mut r = ErardReading::default();
+                let (kind, a, b) = (chance(), chance(), chance());
+                let status = unsafe {
+                    match kind {
+                        k if k < -0.6 => erard_action_step_force(action.0, 1e4 * a, &raw mut r),
+                        k if k < -0.4 => erard_action_advance(action.0, 3e-3, &moving(0.02 * a, 10.0 * b), &raw mut r),
+                        k if k < 0.3 => erard_action_step_motion(action.0, 0.02 * a, 10.0 * b, &raw mut r),
+                        _ => erard_action_step_rigid(action.0, 0.02 * a, 10.0 * b, &raw mut r),
+                    }
+                };
+                if (status as i32) < 0 {
+                    refused += 1;
+                    let after = action.save();
+                    let differs = before.iter().zip(&after).position(|(a, b)| a != b);
+                    // A list's name stands in front of its numbers.
+                    let near = |at: usize| String::from_utf8_lossy(&before[at.saturating_sub(200)..at]).into_owned();
+                    let near = differs.map(near);
+                    assert!(differs.is_none(), "{name}, {seed}, call {n}: {status:?}, {kind} {a} {b} {near:?}");
+                    assert_eq!(action.read(), r, "{name}, {seed}, call {n}");
+                } else {
+                    taken += 1;
+                    let all = [
+                        r.time_s,
+                        r.key_m,
+                        r.key_m_per_s,
+                        r.finger_force_n,
+                        r.finger_force_mean_n,
+                        r.hammer_rise_m,
+                        r.hammer_rise_m_per_s,
+                        r.string_n,
+                        r.hand_m,
+                        r.hand_m_per_s,
+                        r.impact_time_s,
+                        r.hammer_speed_m_per_s,
+                    ];
+                    assert!(all.iter().all(|number| number.is_finite()), "{name}, {seed}, call {n}: {r:?}");
+                }
+            }
+        }
+    }
+    println!("{refused} calls refused, {taken} taken");
+    assert!(refused > 0, "nothing flies apart any more: choose other calls");
+}

@@ -212,8 +212,13 @@ impl Action {
     /// The equations are solved in [`moreau::step()`], which [`Mechanism::step`] calls for the mechanism's size.
     #[inline]
     pub fn step(&mut self, input: Input) -> Reading {
+        let aimed_m = self.aimed_m;
         let input = self.engine_input(input);
-        Reading::of(self.mechanism.step(&input), &self.rest)
+        let output = self.mechanism.step(&input);
+        if output.report.outcome == StepOutcome::NonFinite {
+            self.aimed_m = aimed_m;
+        }
+        Reading::of(output, &self.rest)
     }
 
     /// Returns the present reading: after a step, the one that the step returned.
