@@ -153,7 +153,7 @@ fn losses(all: &Tracks, clock: &Clock) -> Remarks {
     let found = all.accounts.len();
     Remarks {
         tracks: all.accounts.iter().enumerate().map(loss).filter(|loss| !is_whole(loss)).collect(),
-        missing: (all.announced > found).then_some([all.announced, found]),
+        missing: (all.announced != found).then_some([all.announced, found]),
         no_tempo_s: all.accounts.iter().flat_map(|own| &own.no_tempi).map(|tick| clock.seconds(*tick)).collect(),
         ..Remarks::default()
     }

@@ -295,3 +295,17 @@ fn remarks_belong_to_a_passage() {
     assert_eq!(piece.remarks.within(4.0, 6.0).lines(), Vec::<String>::new());
     assert_eq!(piece.remarks.within(0.0, 1.0).lines(), piece.remarks.lines());
 }
+
+/// A header that announces other tracks than there are is reported, whichever way it is wrong.
+#[test]
+fn a_header_that_announces_other_tracks() {
+    let whole = smf(1, MILLISECONDS, &[&track(&events(&[(0, &[0x90, 60, 64]), (500, &[0x80, 60, 0])]))]);
+    for announced in [0_u16, 1, 65_535] {
+        let mut bytes = whole.clone();
+        bytes[10..12].copy_from_slice(&announced.to_be_bytes());
+        let piece = read(&bytes).unwrap();
+        assert_eq!(piece.notes.len(), 1);
+        let told = piece.remarks.lines().iter().any(|line| line.contains(&format!("announces {announced} track")));
+        assert_eq!(told, announced != 1, "{announced}: {:?}", piece.remarks.lines());
+    }
+}
