@@ -5,10 +5,23 @@ use std::fmt::Write;
 /// Text made safe for XML and HTML, in element content and in quoted attributes alike.
 ///
 /// Names come from files that anybody can write. Control characters that XML 1.0 forbids would make the whole
-/// document unreadable, so they become U+FFFD.
+/// document unreadable, so they become U+FFFD. What is written from right to left, or says so by a mark, is isolated
+/// (Unicode Standard Annex 9), so that it does not turn round what is next to it.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
+    let is_isolated = text.chars().any(turns_round);
+    if is_isolated {
+        out.push(FIRST_STRONG_ISOLATE);
+    }
+    // Isolates in the text end in it, and it ends no others.
+    let mut open = 0_usize;
     for c in text.chars() {
+        match c {
+            '\u{2066}'..='\u{2068}' => open += 1,
+            END_OF_ISOLATE if open == 0 => continue,
+            END_OF_ISOLATE => open -= 1,
+            _ => {}
+        }
         match c {
             '&' => out.push_str("&amp;"),
             '<' => out.push_str("&lt;"),
@@ -20,7 +33,17 @@ pub(crate) fn escape(text: &str) -> String {
             c => out.push(c),
         }
     }
+    out.extend(std::iter::repeat_n(END_OF_ISOLATE, open + usize::from(is_isolated)));
     out
+}
+
+const FIRST_STRONG_ISOLATE: char = '\u{2068}';
+const END_OF_ISOLATE: char = '\u{2069}';
+
+/// Whether a character is written from right to left, or is a mark of direction.
+fn turns_round(c: char) -> bool {
+    matches!(c, '\u{0590}'..='\u{08ff}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+        | '\u{fb1d}'..='\u{fdff}' | '\u{fe70}'..='\u{fefe}' | '\u{10800}'..='\u{10fff}' | '\u{1e800}'..='\u{1efff}')
 }
 
 /// A number with at most three decimals and no trailing zeros: short files, and the same bytes every time.
@@ -65,6 +88,17 @@ mod tests {
             "&lt;/script&gt;&lt;b a=&quot;x&quot; c=&#39;y&#39;&gt;&amp;"
         );
         assert_eq!(escape("a\u{0}b\u{1b}c\nd"), "a\u{fffd}b\u{fffd}c d");
+    }
+
+    /// What turns the direction round is isolated, and closed by itself: an override, isolates left open, the end of
+    /// one that never began.
+    #[test]
+    fn names_cannot_turn_round_what_is_beside_them() {
+        assert_eq!(escape("\u{202e}abc"), "\u{2068}\u{202e}abc\u{2069}");
+        assert_eq!(escape("a\u{2067}b"), "\u{2068}a\u{2067}b\u{2069}\u{2069}");
+        assert_eq!(escape("a\u{2069}\u{2069}b"), "\u{2068}ab\u{2069}");
+        assert_eq!(escape("\u{5e4}\u{5e1} 5"), "\u{2068}\u{5e4}\u{5e1} 5\u{2069}");
+        assert_eq!(escape("caf\u{e9} 5"), "caf\u{e9} 5");
     }
 
     #[test]
