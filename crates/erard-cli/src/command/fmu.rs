@@ -123,6 +123,12 @@ impl Fmu {
                 shown(&path)
             )));
         }
+        if let Err(why) = whole_library(&bytes) {
+            let path = shown(&path);
+            return Err(Failure::Usage(format!(
+                "{path}: {why}; expected the library liberard, whole and built for this machine: `cargo build --release -p erard-c`"
+            )));
+        }
         Ok((path, bytes, format!("binaries/{platform}/{MODEL}.{end}")))
     }
 
@@ -140,6 +146,52 @@ impl Fmu {
             ))
         })
     }
+}
+
+/// Bytes of the header of an ELF file of 64 bits, and of an entry of its table of segments.
+const ELF_HEADER: u64 = 64;
+const ELF_SEGMENT: u64 = 56;
+/// The machine for which an ELF library is built.
+const ELF_MACHINE: u64 = if cfg!(target_arch = "aarch64") { 183 } else { 62 };
+
+/// Whether a loader finds all that the library's header announces: a simulator that loads a library cut short dies of a
+/// signal.
+fn whole_library(bytes: &[u8]) -> Result<(), String> {
+    if !cfg!(target_os = "linux") {
+        // Mach-O, and the libraries of Windows.
+        let is_known =
+            [&[0xcf, 0xfa, 0xed, 0xfe][..], &[0xca, 0xfe, 0xba, 0xbe], b"MZ"].iter().any(|m| bytes.starts_with(m));
+        return if is_known { Ok(()) } else { Err("does not begin as a library does".into()) };
+    }
+    if !bytes.starts_with(b"\x7fELF\x02\x01") {
+        return Err("does not begin as a library does (ELF, 64 bits, little-endian)".into());
+    }
+    let ends = |at: u64, count: u64, size: u64| at.checked_add(count.checked_mul(size)?);
+    let cut = |end: Option<u64>| match end {
+        Some(end) if end <= bytes.len() as u64 => Ok(()),
+        _ => Err(format!("is cut short: its header announces more than its {} bytes", bytes.len())),
+    };
+    cut(Some(ELF_HEADER))?;
+    let number = |at: u64, size: usize| {
+        let own = &bytes[at as usize..at as usize + size];
+        own.iter().rev().fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte))
+    };
+    if number(16, 2) != 3 {
+        return Err("is no shared library".into());
+    }
+    if number(18, 2) != ELF_MACHINE {
+        return Err(format!("is built for another machine (ELF's number {})", number(18, 2)));
+    }
+    let (segments, count, size) = (number(32, 8), number(56, 2), number(54, 2));
+    cut(ends(number(40, 8), number(60, 2), number(58, 2)))?;
+    cut(ends(segments, count, size))?;
+    if count == 0 || size != ELF_SEGMENT {
+        return Err("has no segments to load".into());
+    }
+    for at in (0..count).map(|n| segments + n * ELF_SEGMENT) {
+        cut(ends(number(at + 8, 8), 1, number(at + 32, 8)))?;
+    }
+    Ok(())
 }
 
 /// The unit's bytes: the same for the same files and library.

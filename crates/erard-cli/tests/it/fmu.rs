@@ -12,13 +12,25 @@ use erard_workshop::fmu::{INSTRUMENT, KEYBOARD, Unit};
 use flate2::read::DeflateDecoder;
 use rawzip::{CompressionMethod, ZipArchive};
 
-/// A text that passes for the library.
-pub const LIBRARY: &str = "some code, fmi2DoStep, some code, erard_action_new, some code";
+/// What passes for the library: the header of an ELF file, a segment that holds all, and the names looked for.
+pub fn library() -> Vec<u8> {
+    let text = b"some code, fmi2DoStep, some code, erard_action_new, some code";
+    let mut bytes = vec![0; 120];
+    bytes[..7].copy_from_slice(b"\x7fELF\x02\x01\x01");
+    let machine = if cfg!(target_arch = "aarch64") { 183 } else { 62 };
+    let length = (bytes.len() + text.len()) as u8;
+    // Kind, machine, table of segments and size of its entries, their number; kind and size of the segment.
+    for (at, byte) in [(16, 3), (18, machine), (32, 64), (54, 56), (56, 1), (64, 1), (96, length)] {
+        bytes[at] = byte;
+    }
+    bytes.extend(text);
+    bytes
+}
 
 /// A folder with a file that passes for the library.
 fn folder(test: &str) -> Folder {
     let folder = Folder::for_command("fmu", test);
-    folder.file("liberard.so", LIBRARY);
+    std::fs::write(folder.0.join("liberard.so"), library()).unwrap();
     folder
 }
 
@@ -29,16 +41,16 @@ fn unpacked(path: &Path) -> BTreeMap<String, String> {
     let mut texts = BTreeMap::new();
     while let Some(entry) = entries.next_entry().unwrap() {
         let (name, packed) = (entry.file_path().as_ref().to_vec(), archive.get_entry(entry.wayfinder()).unwrap());
-        let mut text = String::new();
+        let mut text = Vec::new();
         let read = match entry.compression_method() {
-            CompressionMethod::STORE => packed.verifying_reader(packed.data()).read_to_string(&mut text),
+            CompressionMethod::STORE => packed.verifying_reader(packed.data()).read_to_end(&mut text),
             CompressionMethod::DEFLATE => {
-                packed.verifying_reader(DeflateDecoder::new(packed.data())).read_to_string(&mut text)
+                packed.verifying_reader(DeflateDecoder::new(packed.data())).read_to_end(&mut text)
             }
             other => panic!("{other:?}"),
         };
         read.unwrap();
-        texts.insert(String::from_utf8(name).unwrap(), text);
+        texts.insert(String::from_utf8(name).unwrap(), String::from_utf8_lossy(&text).into_owned());
     }
     texts
 }
@@ -142,4 +154,31 @@ fn where_the_library_comes_from() {
     let output = run();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(folder.0.join("a.fmu").exists());
+}
+
+/// A library that is cut short, shifted by a byte, of another machine or no library at all is refused before anything
+/// is written: a simulator that loads it dies of a signal.
+#[test]
+fn a_library_that_no_simulator_can_load() {
+    let folder = folder("cut");
+    let whole = library();
+    let changed = |at: usize, byte: u8| {
+        let mut other = whole.clone();
+        other[at] = byte;
+        other
+    };
+    let shifted = [b"x", &whole[..]].concat();
+    for (bytes, words) in [
+        (whole[..whole.len() - 1].to_vec(), "cut short"),
+        (shifted, "does not begin as a library does"),
+        (changed(18, 40), "another machine"),
+        (changed(16, 2), "no shared library"),
+        (changed(56, 0), "has no segments"),
+        (changed(100, 1), "cut short"),
+    ] {
+        std::fs::write(folder.0.join("cut.so"), &bytes).unwrap();
+        let said = folder.bad(&["-o", "cut.fmu", "--library", "cut.so"]);
+        assert!(said.contains(words) && said.contains("cut.so"), "{said}");
+        assert!(!folder.0.join("cut.fmu").exists());
+    }
 }
