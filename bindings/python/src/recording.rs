@@ -170,6 +170,12 @@ impl Recording {
         Ok(Recording { name, inner, preparation, prepared, position_of })
     }
 
+    /// How it was prepared, and what was noticed, as the command reports it; empty if it was left as it is.
+    pub(crate) fn preparation_notes(&self) -> Vec<String> {
+        let is_plain = !self.preparation.zero && self.preparation.low_pass == LowPass::Off;
+        if is_plain { Vec::new() } else { self.prepared.report.told() }
+    }
+
     /// Returns the data that can drive a key: name, series, and part whose position it is.
     pub(crate) fn series(&self) -> PyResult<(String, Series, PositionOf)> {
         Ok((self.name.clone(), self.prepared.series.clone(), self.position_of))

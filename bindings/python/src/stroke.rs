@@ -20,9 +20,9 @@ use crate::watch::watched;
 #[pyclass(frozen, module = "erard._erard")]
 pub(crate) struct Stroke {
     pub inner: Arc<Inner>,
-    /// Remark on how the stroke drives the key; `None` without one.
+    /// How a recording was prepared, and remarks on how the stroke drives the key.
     #[pyo3(get)]
-    note: Option<String>,
+    notes: Vec<String>,
 }
 
 /// Returns the prescribed quantity, by its name.
@@ -127,7 +127,7 @@ impl Stroke {
             }
             Some(made) => {
                 let (inner, note) = made.map_err(wrong)?;
-                Ok(Stroke { inner: Arc::new(inner), note: note.map(str::to_owned) })
+                Ok(Stroke { inner: Arc::new(inner), notes: note.into_iter().map(str::to_owned).collect() })
             }
         }
     }
@@ -138,7 +138,9 @@ impl Stroke {
         let drive = drive.map(prescribed).transpose()?;
         let (title, series, position_of) = recording.series()?;
         let (inner, note) = Inner::recorded(title, series, position_of, drive).map_err(wrong)?;
-        Ok(Stroke { inner: Arc::new(inner), note: note.map(str::to_owned) })
+        let mut notes = recording.preparation_notes();
+        notes.extend(note.map(str::to_owned));
+        Ok(Stroke { inner: Arc::new(inner), notes })
     }
 
     #[getter]
@@ -164,6 +166,6 @@ impl Stroke {
 
 impl Stroke {
     fn of(inner: Inner) -> Self {
-        Stroke { inner: Arc::new(inner), note: None }
+        Stroke { inner: Arc::new(inner), notes: Vec::new() }
     }
 }

@@ -194,3 +194,68 @@ def test_types_are_those_of_the_stubs(tmp_path: Path) -> None:
     stubtest = [sys.executable, "-m", "mypy.stubtest", "erard._erard", "--mypy-config-file", str(config)]
     done = subprocess.run(stubtest, cwd=root, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_truth_value_is_no_number() -> None:
+    """`force=True` is a mistake, not 1 N; the same of counts, arrays and of numpy's own bool."""
+    grand = erard.load("concert-grand")
+    for call in (
+        lambda: grand.press(force=True),
+        lambda: grand.press(force=np.bool_(True)),
+        lambda: grand.press(force=[True, False], dt=1e-3),
+        lambda: grand.press(force=5.0, record_every=True),
+        lambda: erard.Action(grand).step(force=True),
+        lambda: grand.vary(let_off=True),
+    ):
+        with pytest.raises(erard.InputError, match="True|truth|bool"):
+            call()
+
+
+def test_numpy_and_pandas_read_a_run() -> None:
+    pd = pytest.importorskip("pandas")
+    run = erard.load("concert-grand").press(force=5.0, duration=0.05)
+    array = np.asarray(run)
+    assert array.shape == (len(run["time_s"]), len(run.columns)) and array.dtype == np.float64
+    assert np.array_equal(array[:, run.columns.index("key_m")], run["key_m"])
+    frame = pd.DataFrame(run, columns=run.columns)
+    assert frame.shape == array.shape and np.array_equal(frame["key_m"], run["key_m"])
+    assert list(run.to_pandas().columns) == run.columns and pd.DataFrame(run).shape == array.shape
+    study = erard.study(erard.load("concert-grand"), let_off=[0.0, 1e-4], duration=0.05)
+    with pytest.raises(TypeError, match="not all numbers"):
+        np.asarray(study)
+
+
+def test_one_stroke_whatever_holds_its_numbers(tmp_path: Path) -> None:
+    """A mapping, a data frame and a file with the same noisy numbers give the same stroke, to the bit, and the run tells how
+    they were prepared. A computed force that begins at 5 N has no zero in it, in any of them."""
+    pd = pytest.importorskip("pandas")
+    grand = erard.load("concert-grand")
+    t = np.arange(0, 0.3, 2.5e-4)
+    noisy = np.where(t < 0.1, 0.0, 6.0) + 0.12 + 0.02 * np.random.default_rng(1).standard_normal(len(t))
+    computed = np.where(t < 0.1, 5.0, 8.0)
+    for force, told in ((noisy, "zero: 0.1"), (computed, "computed, not measured")):
+        mapping = {"time_s": t, "force_N": force}
+        file = tmp_path / "force.csv"
+        file.write_text("time_s,force_N\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(t.tolist(), force.tolist(), strict=True)))
+        runs = [grand.press(stroke=source, duration=0.3) for source in (mapping, pd.DataFrame(mapping), str(file))]
+        for run in runs:
+            assert any(told in note for note in run.notes), run.notes
+            assert np.array_equal(run["key_m"], runs[0]["key_m"])
+    assert runs[0].hammer_speed > 2.0  # 5 N, then 8 N: not 0, then 3 N.
+
+
+def test_failed_rows_are_warned_of() -> None:
+    grand = erard.load("concert-grand")
+    with pytest.warns(erard.FailedStrokesWarning, match=r"2 of 3 strokes failed.*let_off: found -1, 1 m, expected .* m"):
+        study = erard.study(grand, let_off=[-1, 0, 1], duration=0.05)
+    assert list(study.errors) == [0, 2]
+
+
+def test_a_snapshot_of_other_settings_is_refused() -> None:
+    grand = erard.load("concert-grand")
+    saved = erard.Action(grand, step=100e-6).save()
+    action = erard.Action(grand)
+    before = action.save()
+    with pytest.raises(erard.InputError):
+        action.restore(saved)
+    assert action.save() == before

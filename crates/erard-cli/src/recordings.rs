@@ -35,10 +35,9 @@ pub(crate) struct RecordingOptions {
     #[arg(long, value_name = "WHOSE", value_parser = one_of(&POSITIONS))]
     position: Option<PositionOf>,
     /// Zero of the channels: `rest` (the mean of the rest before the touch, if there is one), `off` (numbers as they
-    /// are in the file), or what a channel reads at its zero, with its unit, e.g. position=0.4mm,force=3gf
-    #[arg(
-        long, value_name = "rest|off|CHANNEL=VALUE", value_delimiter = ',', value_parser = zero, default_value = "rest"
-    )]
+    /// are in the file), or what a channel reads at its zero, with its unit, e.g. position=0.4mm,force=3gf [default:
+    /// rest, but a computed channel, which shows no noise, stays as it is]
+    #[arg(long, value_name = "rest|off|CHANNEL=VALUE", value_delimiter = ',', value_parser = zero)]
     zero: Vec<ZeroOf>,
     /// Channels whose sign to reverse: force, position, hammer
     #[arg(long, value_name = "CHANNELS", value_delimiter = ',', value_parser = channel)]
@@ -142,7 +141,7 @@ impl RecordingOptions {
     pub(crate) fn are_given(&self) -> bool {
         self.columns.is_some()
             || self.position.is_some()
-            || self.zero != [ZeroOf::Rest]
+            || !self.zero.is_empty()
             || !self.invert.is_empty()
             || !self.delay.is_empty()
             || self.low_pass != LowPass::Own
@@ -154,7 +153,7 @@ impl RecordingOptions {
         RecordingOptions {
             columns: None,
             position: None,
-            zero: vec![ZeroOf::Rest],
+            zero: Vec::new(),
             invert: Vec::new(),
             delay: Vec::new(),
             low_pass: LowPass::Own,
@@ -173,6 +172,7 @@ impl RecordingOptions {
     pub(crate) fn preparation(&self) -> Preparation {
         Preparation {
             zero: !self.zero.contains(&ZeroOf::Off),
+            zero_of_computed: self.zero.contains(&ZeroOf::Rest),
             zero_at: self.stated_zeros().collect(),
             inverted: self.invert.clone(),
             late_s: self.delay.clone(),

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from ._action import Action
 from ._common import Hand, unit_of
 from ._diagnose import Diagnosis, diagnose
-from ._errors import DoubtfulFitWarning, InputError, MissingFileError, SimulationError
+from ._errors import DoubtfulFitWarning, FailedStrokesWarning, InputError, MissingFileError, SimulationError
 from ._gradient import Gradient, gradient
 from ._instrument import (
     Comparison,
@@ -55,6 +55,7 @@ __all__ = [
     "Diagnosis",
     "Doubt",
     "DoubtfulFitWarning",
+    "FailedStrokesWarning",
     "Drawing",
     "Fit",
     "Gradient",

@@ -120,8 +120,11 @@ def step_of(own: Steps, *usual_s: float) -> float:
 
 
 def number(key: str, value: Any) -> float:
-    """Returns a finite number, or raises an error that names the argument."""
+    """Returns a finite number, or raises an error that names the argument. A bool is no number: `force=True` is a
+    mistake, not 1 N."""
     try:
+        if isinstance(value, (bool, np.bool_)):
+            raise TypeError
         found = float(value)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{key}: found {value!r}, expected a number", key=key, found=repr(value)) from None
@@ -137,7 +140,7 @@ _LARGEST = 2**63 - 1
 def whole(key: str, value: Any, least: int = 1) -> int:
     """Returns a whole number, `least` or more, or raises an error that names the argument."""
     try:
-        found = operator.index(value)
+        found = least - 1 if isinstance(value, (bool, np.bool_)) else operator.index(value)
     except TypeError:
         found = least - 1
     if not least <= found <= _LARGEST:
@@ -200,6 +203,8 @@ def real(values: Any) -> NDArray[np.float64]:
     array = np.asarray(values)
     if array.dtype.kind == "c":
         raise TypeError("complex numbers")
+    if array.dtype.kind == "b":
+        raise TypeError("truth values")
     return np.asarray(array, dtype=np.float64, order="C")
 
 

@@ -83,6 +83,10 @@ class DoubtfulFitWarning(UserWarning):
     """Doubtful fit: read `Fit.doubts` before you use its results."""
 
 
+class FailedStrokesWarning(UserWarning):
+    """Strokes without results among many: their rows are nan, and the column `error` holds the reasons."""
+
+
 class MissingFileError(InputError, FileNotFoundError):
     """Missing or unreadable file; also a `FileNotFoundError`."""
 

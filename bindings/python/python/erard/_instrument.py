@@ -21,12 +21,12 @@ from ._run import Run
 from ._table import Table
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
     from ._recording import RecordingLike
     from ._types import Change
 
-    Force = Union[float, ArrayLike]
+    Force = Union[float, Sequence[float], NDArray[np.floating[Any]], NDArray[np.integer[Any]]]
 
 
 @dataclass(frozen=True)
@@ -234,7 +234,9 @@ class Instrument:
             Time between samples of `force`, `motion` or `rigid`, s.
         stroke : {"pp", "p", "mf", "f", "ff"}, path or recording, optional
             A built-in touch (default "mf"), played by a hand whose force is adjusted so that this action reaches the
-            level; or a recording: a run, a mapping of arrays with `time_s`, a data frame, or a file.
+            level; or a recording: a run, a mapping of arrays with `time_s`, a data frame, or a file. Whatever holds its
+            numbers, it is prepared as the command does it (zero of the rest, low-pass of noise); `Run.notes` says how.
+            A `Recording` is prepared as it says.
         touch : {"pressed", "struck"}
             Touch of a built-in stroke: the finger starts on the key, or strikes it.
         hammer_speed : float, optional
@@ -292,7 +294,7 @@ class Instrument:
             columns, about = _erard.press(
                 self._inner, made, steps(how), model, duration, every, accuracy, reactions, losses, tell
             )
-        return Run(columns, {**about, "notes": [made.note] if made.note else []}, made.title)
+        return Run(columns, {**about, "notes": made.notes}, made.title)
 
     def measure(
         self,
@@ -437,7 +439,7 @@ class Instrument:
         >>> own.errors[0]["explained"] > 0.9999
         True
         """
-        made = as_recording_to_play(recording) if not isinstance(recording, Recording) else recording
+        made = as_recording(recording)
         with bar(progress, "compare") as tell:
             found = _erard.compare(
                 self._inner,
@@ -621,7 +623,7 @@ def stroke_of(
         if isinstance(stroke, str) and not os.path.exists(stroke) and not os.path.splitext(stroke)[1] and os.path.basename(stroke) == stroke:
             told = f"stroke: found {stroke!r}, expected {', '.join(NUANCES)} or a recording; there is no such file either"
             raise InputError(told, key="stroke", found=stroke)
-        made = stroke if isinstance(stroke, Recording) else as_recording_to_play(stroke)
+        made = as_recording(stroke)
         return _erard.Stroke.recorded(made._inner, drive)
     _only_of("touch", touch, "pressed", "a built-in stroke")
     _only_of("drive", drive, None, "a built-in stroke or a recording")
@@ -642,13 +644,6 @@ def _only_of(key: str, found: Any, usual: str | None, what: str) -> None:
     """Raises an error if an argument would have no effect."""
     if found != usual:
         raise InputError(f"{key}: {found!r} goes with {what} only", key=key, found=found)
-
-
-def as_recording_to_play(source: Any) -> Recording:
-    """Returns a recording: a file zeroed and filtered as the command does, a table unchanged."""
-    if isinstance(source, (str, os.PathLike)):
-        return Recording(source)
-    return as_recording(source)
 
 
 class Sheet(Values):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Union, Unpack
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from . import _erard
 from ._common import Stepping, bar, floats, mapping, names_of, number, step_of, steps, unmasked, whole
-from ._errors import Extra, InputError
+from ._errors import Extra, FailedStrokesWarning, InputError
 from ._instrument import Instrument, instrument_of, stroke_of
 from ._table import Table
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from ._common import Hand
+    from ._instrument import Parameter
     from ._recording import RecordingLike
     from ._types import Steps, Work
 
@@ -67,6 +69,13 @@ class Strokes(Table):
     def errors(self) -> dict[int, str]:
         """Reasons of failed strokes and measurements, by row; their results are nan."""
         return {row: error for row, error in enumerate(self["error"]) if error}
+
+    def _warn(self, more: str = "") -> None:
+        """Warns of failed strokes, with the first reason; `more` is what is known beside it."""
+        if failed := self.errors:
+            row, reason = next(iter(failed.items()))
+            told = f"{len(failed)} of {len(self['failed'])} strokes failed, and their results are nan; row {row}: {reason}{more}"
+            warnings.warn(told, FailedStrokesWarning, stacklevel=3)
 
     def _failed(self) -> str:
         """Returns the number of failed strokes, in words."""
@@ -235,7 +244,9 @@ def rollout(
     for samples in sampled.values():
         samples.flags.writeable = False
     time_s = dt * np.arange(array.shape[1], dtype=np.float64)
-    return Rollout(time_s, outcomes(found_all) | sampled, found_all["doubts"], found_all["impacts"])
+    rolled = Rollout(time_s, outcomes(found_all) | sampled, found_all["doubts"], found_all["impacts"])
+    rolled._warn()
+    return rolled
 
 
 class Study(Strokes):
@@ -410,7 +421,20 @@ def study(
     columns = rows | outcomes(found) | dict(zip(measure, found["measured"], strict=True))
     for values in columns.values():
         values.flags.writeable = False
-    return Study(axes, columns, found["doubts"], units)
+    studied = Study(axes, columns, found["doubts"], units)
+    studied._warn("".join(_outside(known[name], values) for name, values in axes.items() if name in known))
+    return studied
+
+
+def _outside(parameter: Parameter, values: NDArray[np.float64]) -> str:
+    """Returns which values are outside a parameter's range, in words; empty if none is."""
+    low, high = parameter.range
+    outside = values[(values < low) | (values > high)]
+    if not outside.size:
+        return ""
+    found = ", ".join(f"{value:g}" for value in outside[:3]) + (", ..." if outside.size > 3 else "")
+    unit = f" {parameter.unit}" if parameter.unit else ""
+    return f"; {parameter.name}: found {found}{unit}, expected {low:g} to {high:g}{unit} (a text may have another unit, as in \"-1 mm\")"
 
 
 def played(

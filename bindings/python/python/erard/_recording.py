@@ -225,5 +225,10 @@ def _arrays(source: Any) -> dict[str, NDArray[np.float64]]:
 
 
 def as_recording(source: RecordingLike) -> Recording:
-    """Returns the recording itself, or converts the source to one without filter and zero."""
-    return source if isinstance(source, Recording) else Recording(source, zero=False, low_pass=None)
+    """Returns the recording itself, or makes one of the source, prepared as a file is by the command; a run, which is
+    computed, is left as it is."""
+    if isinstance(source, Recording):
+        return source
+    if isinstance(source, Table):
+        return Recording(source, zero=False, low_pass=None)
+    return Recording(source)

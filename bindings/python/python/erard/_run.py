@@ -36,7 +36,8 @@ class Run(Table):
     warnings : list of str
         Reasons not to trust the run; empty if there are none.
     notes : list of str
-        Remarks on how the stroke drives the key differently from its data.
+        How a recorded stroke was prepared (zero, low-pass, noise), and remarks on how it drives the key differently from
+        its data.
 
     Examples
     --------

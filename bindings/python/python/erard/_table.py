@@ -21,8 +21,9 @@ class Table(Mapping[str, "NDArray[Any]"]):
     """Named columns of equal length, as read-only arrays.
 
     A table is a mapping and supports the Arrow PyCapsule
-    protocol: `polars.DataFrame(table)`, `pyarrow.table(table)` and DuckDB read it
-    without a copy.
+    protocol: `polars.DataFrame(table)`, `pyarrow.table(table)`, `pandas.DataFrame.from_arrow(table)` and DuckDB read it
+    without a copy. `numpy.asarray(table)` has shape (T, C), a column for each name; `pandas.DataFrame(table)` has these
+    columns without their names, and `to_pandas` with them.
     """
 
     _columns: dict[str, NDArray[Any]]
@@ -56,6 +57,14 @@ class Table(Mapping[str, "NDArray[Any]"]):
 
     def __len__(self) -> int:
         return len(self._columns)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[np.float64]:
+        """Returns the columns side by side as an array of shape (T, C), in the order of `columns`."""
+        if any(values.ndim != 1 or values.dtype.kind not in "fiub" for values in self._columns.values()):
+            raise TypeError(f"the columns of this {type(self).__name__} are not all numbers of one dimension; take one, as in table[{next(iter(self), '')!r}]")
+        if copy is False:
+            raise ValueError("the columns are apart in memory: an array of all of them is a copy")
+        return np.column_stack([*self._columns.values()]).astype(np.float64 if dtype is None else dtype, copy=False)
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):

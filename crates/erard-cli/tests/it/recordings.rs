@@ -204,8 +204,9 @@ fn traces_that_are_wrong_are_noticed() {
     assert!(folder.bad(&["press", "--zero", "off"]).contains("need a stroke file"));
 }
 
-/// With `--zero off` every number of a recording stays as it is; otherwise the mean of the rest before the touch is
-/// taken away.
+/// With `--zero off` every number of a recording stays as it is; with `--zero rest` the mean of the rest before the
+/// touch is taken away, whatever it is. Where nothing is said, it is taken from what shows noise: a computed file has
+/// no sensor.
 #[test]
 fn the_zero_is_left_where_it_is_not_wanted() {
     let folder = Folder::new("recordings-zero");
@@ -219,7 +220,7 @@ fn the_zero_is_left_where_it_is_not_wanted() {
         let title = table.lines().next().unwrap().split(',').position(|title| title == "force_N").unwrap();
         table.lines().nth(1).unwrap().split(',').nth(title).unwrap().parse::<f64>().unwrap()
     };
-    assert!(first(&[]).abs() < 1e-12);
+    assert!((first(&[]) - FORCE_OFFSET_N).abs() < 1e-12);
     assert!(first(&["--zero", "rest"]).abs() < 1e-12);
     assert!((first(&["--zero", "off"]) - FORCE_OFFSET_N).abs() < 1e-12);
     let said = folder.bad(&["press", "lab.csv", "--zero", "on"]);
@@ -455,4 +456,22 @@ fn a_recorded_key_says_what_its_force_is_worth() {
     assert!((0.5..2.0).contains(&ratio), "{rms} N off, {} N said", worth("force_rms_N"));
     let within = off.iter().filter(|x| **x <= worth("force_within_95_N")).count() as f64 / off.len() as f64;
     assert!(within > 0.8, "{within}");
+}
+
+/// A computed force, 5 N for 0.1 s and then 8 N, has no sensor whose zero could be 5 N: it plays as it is, the run says
+/// so, and names the option for the other case.
+#[test]
+fn a_computed_force_has_no_zero() {
+    let folder = Folder::new("recordings-computed");
+    let rows = (0..300).map(|n| format!("{},{}\n", f64::from(n) * 1e-3, if n < 100 { 5 } else { 8 }));
+    folder.file("force.csv", &format!("time_s,force_N\n{}", rows.collect::<String>()));
+    let output = folder.erard(&["press", "force.csv"]);
+    let said = Folder::words(&String::from_utf8(output.stderr).unwrap());
+    assert!(said.contains("computed, not measured") && said.contains("--zero force=5.0000N"), "{said}");
+    let summary: Value = serde_json::from_str(&folder.read("erard-out/summary.json")).unwrap();
+    let speed = summary["hammer_speed_m_per_s"].as_f64().unwrap();
+    assert!(speed > 2.0, "{speed}");
+    folder.good(&["press", "force.csv", "--zero", "force=5N"]);
+    let summary: Value = serde_json::from_str(&folder.read("erard-out/summary.json")).unwrap();
+    assert!(summary["hammer_speed_m_per_s"].as_f64().is_none_or(|zeroed| zeroed < 0.9 * speed), "{summary}");
 }

@@ -26,6 +26,8 @@ use thiserror::Error;
 pub struct Preparation {
     /// Take the mean of the rest before the touch from every channel that has one.
     pub zero: bool,
+    /// Take it, too, from a channel that is computed, not measured: one that begins with one number and has no noise.
+    pub zero_of_computed: bool,
     /// Reading of a channel in the file where its quantity is zero, N, m or m/s: subtracted, with or without a rest.
     pub zero_at: Vec<(Role, f64)>,
     /// Channels that are positive upward (the hammer's: downward), and are turned.
@@ -53,6 +55,7 @@ impl Default for Preparation {
     fn default() -> Self {
         Preparation {
             zero: true,
+            zero_of_computed: false,
             zero_at: Vec::new(),
             inverted: Vec::new(),
             late_s: Vec::new(),
@@ -180,6 +183,24 @@ impl Samples {
         (steps[steps.len() / 2], steps[steps.len() - 1])
     }
 
+    /// Whether the series is computed, not measured: it begins with one and the same number, and it shows no noise.
+    /// Such a number is no zero of a sensor.
+    fn is_computed(&self) -> bool {
+        let first = self.values[0];
+        if self.values[..self.rest].iter().any(|value| *value != first) {
+            return false;
+        }
+        let (usual_s, _) = self.steps_s();
+        let (begin, end) = (self.times[0], self.times[self.times.len() - 1]);
+        let count = ((end - begin) / usual_s).round() + 1.0;
+        if !(4.0..=MAX_ROWS as f64).contains(&count) {
+            return false;
+        }
+        let rate_hz = (count - 1.0) / (end - begin);
+        let even_times: Vec<f64> = (0..count as usize).map(|n| begin + n as f64 / rate_hz).collect();
+        noise::noise(&interpolated(&self.times, &self.values, &even_times), rate_hz, self.rest).is_none()
+    }
+
     /// Everything that is to be done; instants, values and the report on it.
     fn ready(&self, preparation: &Preparation) -> Result<(Vec<f64>, Vec<f64>, ChannelReport), PrepareError> {
         let (usual_s, longest_s) = self.steps_s();
@@ -189,7 +210,9 @@ impl Samples {
         let stated = preparation.zero_at.iter().find(|(role, _)| *role == self.role).map(|(_, at)| *at);
         // As it stands in the file: before its sign is turned.
         let stated = stated.map(|at| if self.inverted { -at } else { at });
-        let zero = (preparation.zero && stated.is_none() && self.rest > 0).then(|| {
+        let takes_zero = preparation.zero && stated.is_none() && self.rest > 0;
+        let is_computed = takes_zero && !preparation.zero_of_computed && self.is_computed();
+        let zero = (takes_zero && !is_computed).then(|| {
             let offset = noise::mean(&self.values[..self.rest]);
             Zero { offset, until_s: self.times[self.rest - 1], samples: self.rest }
         });
@@ -203,6 +226,7 @@ impl Samples {
         report.late_s = self.late_s;
         report.gaps = self.gaps;
         report.zero = zero;
+        report.is_computed = is_computed;
         report.stated_zero = stated;
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         let count = ((last - first) / usual_s).round() + 1.0;

@@ -35,6 +35,10 @@ const UPPER: [f64; 2] = [0.8, 0.95];
 /// Largest ratio that counts as equally strong: that of a long series, and that of a short one, whose two levels
 /// scatter. The spectrum of a smooth motion without noise falls by 29 between the two parts.
 const FLAT: [f64; 2] = [2.0, 6.0];
+/// Second differences of white noise are larger than this share of its deviation in nine of ten samples; they have to
+/// be in this share of the samples, since a sensor that rounds shows none while nothing moves.
+const ROUGH: f64 = 0.3;
+const ROUGH_SHARE: f64 = 0.1;
 /// Bands are a third of an octave, from this frequency on, Hz.
 const LOWEST_HZ: f64 = 8.0;
 
@@ -101,8 +105,8 @@ pub(super) fn noise(x: &[f64], rate_hz: f64, rest: usize) -> Option<Noise> {
     let values = [LOWER, UPPER].map(|[from, to]| spectrum.between(from * half, to * half).len() as f64);
     let [below, scatter] = values.map(|n| 1.0 / (LN_2 * (n / 1.5).sqrt()));
     let most = (3.0 * below.hypot(scatter)).clamp(FLAT[0].ln(), FLAT[1].ln());
-    if (lower / upper).ln().abs() < most {
-        let rms = (upper * half).sqrt();
+    let rms = (upper * half).sqrt();
+    if (lower / upper).ln().abs() < most && is_everywhere(&x[rest..], rms) {
         // A rest in which one and the same number is rounded off every time has none, and the motion after it has.
         // Within three times the scatter the rest, which has more samples, is right.
         if found.is_none_or(|noise| noise.rms < rms * (1.0 - 1.5 / (LN_2 * values[1].sqrt()))) {
@@ -111,6 +115,14 @@ pub(super) fn noise(x: &[f64], rate_hz: f64, rest: usize) -> Option<Noise> {
         }
     }
     found.filter(|noise| noise.rms > ROUNDING * (high - low))
+}
+
+/// Whether a series shows noise of this size wherever it moves, and not in a few jumps, whose spectrum is almost as
+/// flat.
+fn is_everywhere(x: &[f64], rms: f64) -> bool {
+    let differs = |three: &[f64]| (three[0] - 2.0 * three[1] + three[2]).abs() > ROUGH * rms;
+    let rough = x.windows(3).filter(|three| differs(three)).count();
+    rough as f64 > ROUGH_SHARE * x.len() as f64
 }
 
 /// Up to which frequency a series is more than this noise, Hz: the last third of an octave, from below, in which its
@@ -191,6 +203,10 @@ mod tests {
         assert_eq!(noise(&x, RATE_HZ, 2000), None);
         assert_eq!(noise(&x, RATE_HZ, 0), None);
         assert_eq!(noise(&vec![1.0; 5000], RATE_HZ, 0), None);
+        // Jumps, whose spectrum is almost flat.
+        let x: Vec<f64> = (0..1200).map(|n| if n < 400 { 5.0 } else { 8.0 }).collect();
+        assert_eq!(noise(&x, 4e3, 396), None);
+        assert_eq!(noise(&x[..240], 4e3, 0).or(noise(&x[300..540], 4e3, 0)), None);
     }
 
     /// A short series of noise, as a recording of a single stroke in 60 ms is, has noise as often as it should: of 200

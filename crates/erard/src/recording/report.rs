@@ -48,6 +48,8 @@ pub struct ChannelReport {
     pub gaps: Gaps,
     /// Its zero, where one was found and taken.
     pub zero: Option<Zero>,
+    /// Whether it is computed, not measured, so that its beginning is not taken as its zero: one number, and no noise.
+    pub is_computed: bool,
     /// Zero that was stated and taken, N, m or m/s, its sign turned with the channel's.
     pub stated_zero: Option<f64>,
     /// Whether its sign was turned.
@@ -82,6 +84,7 @@ impl ChannelReport {
             is_even: false,
             gaps: Gaps::default(),
             zero: None,
+            is_computed: false,
             stated_zero: None,
             inverted: false,
             late_s: 0.0,
@@ -189,7 +192,8 @@ impl ChannelReport {
             let at = self.shown(if self.inverted { -off } else { off }).replace(' ', "");
             let shown = self.shown(off);
             warnings.push(format!(
-                "the {name} begins at {shown}, and no zero was taken from it. If it rests there: --zero {name}={at} (in Python, zero)"
+                "the {name} begins at {shown}, and no zero was taken from it{}. If it rests there: --zero {name}={at} (in Python, zero)",
+                if self.is_computed { ", because it has no noise: it is computed, not measured" } else { "" }
             ));
         }
         warnings
