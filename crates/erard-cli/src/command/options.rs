@@ -177,6 +177,9 @@ pub(crate) struct StrokeOptions {
     drive: Option<Prescribed>,
     #[command(flatten)]
     recording: RecordingOptions,
+    /// The option that gave the constant force, for messages
+    #[arg(skip = "--force-step")]
+    force_option: &'static str,
 }
 
 /// What is prescribed.
@@ -201,6 +204,7 @@ impl StrokeOptions {
             drive: self.drive,
             // They are a file's.
             recording: if is_file { self.recording.with_columns(columns) } else { RecordingOptions::none() },
+            force_option: "--against",
         }
     }
 
@@ -276,11 +280,14 @@ impl StrokeOptions {
         }
         if let Some(force_n) = self.force_step {
             if let Some(fault) = constant_force_fault(force_n) {
-                return Err(Failure::Usage(format!("--force-step {force_n}: {fault}")));
+                return Err(Failure::Usage(format!("{} {force_n}: {fault}", self.force_option)));
             }
             session.provenance.used_without_file("stroke", &format!("a constant force of {force_n} N"));
             if self.drive.is_some_and(|d| d != Prescribed::Force) {
-                return Err(Failure::Usage("--force-step needs --drive force: a constant force has no motion. Leave --drive out, or give a stroke file with a position".into()));
+                return Err(Failure::Usage(format!(
+                    "{} {force_n} needs --drive force: a constant force has no motion. Leave --drive out, or give a stroke file with a position",
+                    self.force_option
+                )));
             }
             return self.through(Stroke::constant(format!("{force_n} N"), force_n));
         }

@@ -79,6 +79,12 @@ impl Output {
     ) -> Result<Self, Failure> {
         let refused = |source| Failure::write(folder, source);
         stage::recover(folder).map_err(refused)?;
+        // A loop of links, or what may not be looked at: found before any work.
+        if let Err(error) = folder.metadata()
+            && error.kind() != std::io::ErrorKind::NotFound
+        {
+            return Err(refused(error));
+        }
         if folder.exists() && !folder.is_dir() {
             return Err(refused(std::io::Error::other("this is a file; expected a folder")));
         }

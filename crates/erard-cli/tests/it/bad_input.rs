@@ -163,3 +163,42 @@ fn output_folders() {
     }
     assert_eq!(folder.read("note.txt"), "keep me");
 }
+
+/// A folder behind a loop of links is refused before anything is computed.
+#[test]
+#[cfg(unix)]
+fn a_loop_of_links() {
+    let folder = Folder::new("bad-links");
+    for (from, to) in [("a", "b"), ("b", "a")] {
+        std::os::unix::fs::symlink(from, folder.0.join(to)).unwrap();
+    }
+    for out in ["a", "a/b"] {
+        let began = std::time::Instant::now();
+        // Ten minutes of touch would take seconds.
+        let message = folder.bad(&["press", "--force-step", "6", "--duration", "600", "--out", out]);
+        says(&message, &[out, "links"]);
+        assert!(began.elapsed().as_secs_f64() < 2.0, "{:?}", began.elapsed());
+    }
+}
+
+/// A message names the option that was typed.
+#[test]
+fn the_option_that_was_typed() {
+    let folder = Folder::new("bad-option-names");
+    let message = folder.bad(&["press", "--force-step", "5N", "--against", "1e9N"]);
+    says(&message, &["--against 1000000000"]);
+    assert!(!message.contains("--force-step 1"), "{message}");
+    says(&folder.bad(&["press", "--force-step", "1e9N"]), &["--force-step 1000000000"]);
+}
+
+/// A title of 60 000 letters or of 20 000 words costs no more than a short one.
+#[test]
+fn titles_without_end() {
+    let folder = Folder::new("bad-titles");
+    for title in ["x".repeat(60_000), "ab ".repeat(20_000)] {
+        folder.file("long.csv", &format!("time_s,{title},force_N\n0,1,1\n0.1,1,5\n0.2,1,5\n"));
+        let began = std::time::Instant::now();
+        folder.good(&["check", "long.csv"]);
+        assert!(began.elapsed().as_secs_f64() < 2.0, "{:?}", began.elapsed());
+    }
+}

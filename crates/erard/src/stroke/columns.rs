@@ -59,6 +59,8 @@ const FINGERTIPS: &[&str] = &[
 const HAMMERS: &[&str] =
     &["hammer_rise", "hammer_head", "hammer_head_position", "hammer_head_travel", "hammer_head_displacement"];
 const HAMMER_SPEEDS: &[&str] = &["hammer_head_speed", "hammer_head_velocity", "hammer_speed", "hammer_velocity"];
+/// Longest beginning of a title, bytes, that is compared with these stems: a title may be as long as a line.
+const LONGEST_STEM: usize = 64;
 /// The largest plausible speed, m/s: hammers reach 10.
 const MAX_SPEED_M_PER_S: f64 = 100.0;
 
@@ -204,7 +206,7 @@ impl Title {
             }
         }
         // Nothing between them, as in `forceN`; a stem of one letter says nothing then.
-        let cut = (3..title.len()).filter(|&at| title.is_char_boundary(at)).find(|&at| {
+        let cut = (3..title.len().min(LONGEST_STEM)).filter(|&at| title.is_char_boundary(at)).find(|&at| {
             role.is_stem(&words(&title[..at]))
                 && title[at..].chars().all(char::is_alphanumeric)
                 // `times` is a plural.
