@@ -1,7 +1,6 @@
 //! Arguments and results of `regulate`: values with units, the table, and the report.
 
 use std::fmt;
-use std::time::Duration;
 
 use erard::parameter::Quantity;
 use erard_workshop::digits::{rounds_to_zero, signed};
@@ -86,18 +85,11 @@ impl fmt::Display for Shown<'_> {
 }
 
 /// The report: what the workshop reports, and what of it a command knows.
-pub(crate) fn report(
-    regulated: &Regulated,
-    double_strike_m_per_s: [f64; 2],
-    input: &str,
-    output: &str,
-    elapsed: Duration,
-) -> Value {
+pub(crate) fn report(regulated: &Regulated, double_strike_m_per_s: [f64; 2], input: &str, output: &str) -> Value {
     let [before, after] = double_strike_m_per_s;
     let mut report = json!({
         "input": input,
         "output": output,
-        "elapsed_s": elapsed.as_secs_f64(),
         "double_strike_m_per_s": {"before": before, "after": after},
     });
     if let (Value::Object(own), Value::Object(more)) = (&mut report, regulated.report()) {

@@ -66,8 +66,8 @@ pub(crate) struct Summary {
 }
 
 impl Summary {
-    /// The numbers of a run that took so long by the clock, s; `names`: of the model, of the drive and of the solver.
-    pub(crate) fn new(run: &Run, setup: &Setup, [model, drive, solver]: [&str; 3], elapsed_s: f64) -> Self {
+    /// The numbers of a run; `names`: of the model, of the drive and of the solver.
+    pub(crate) fn new(run: &Run, setup: &Setup, [model, drive, solver]: [&str; 3]) -> Self {
         let (e, w) = (&run.events, &run.work);
         let ledger = run.ledger.as_ref();
         let booked = |of: fn(&Ledger) -> f64| ledger.map(of);
@@ -104,7 +104,6 @@ impl Summary {
             "unconverged_steps": w.unconverged_steps,
             "control": control,
             "newton_iterations_per_step": w.newton_iterations as f64 / inner_steps as f64,
-            "real_time_factor": setup.duration_s / elapsed_s.max(1e-9),
             "hammer_speed_m_per_s": e.hammer_speed_m_per_s(),
             "hammer_speed_normal_m_per_s": e.hammer_speed_normal_m_per_s(),
             "key_start_s": e.key_start_s,
@@ -175,7 +174,6 @@ impl Summary {
         lines.push(("energy residual", format!("{residual:.1e} of the work put in")));
         lines.push(("steps", self.steps_line()));
         lines.push(("unconverged steps", json["unconverged_steps"].to_string()));
-        lines.push(("real-time factor", format!("{:.0}", json["real_time_factor"].as_f64().unwrap_or(f64::NAN))));
         lines.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
     }
 

@@ -1,7 +1,5 @@
 //! `erard press`.
 
-use std::time::Instant;
-
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::level::LevelError;
@@ -138,16 +136,14 @@ impl Press {
         }
         let mut output =
             self.out.prepare(session, "press", &["run.csv", "summary.json", "run.svg", "run.png", "run.html"])?;
-        let started = Instant::now();
         let mut inside = Inside {
             reactions: self.reactions.then(|| ReactionRecorder::new(instrument)),
             losses: self.losses.then(|| LossRecorder::new(instrument)),
         };
         let run = play_observed(session, instrument, &stroke, &setup, &mut inside)?;
-        let elapsed_s = started.elapsed().as_secs_f64();
         let driven = stroke.driven();
         let names = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
-        let mut summary = Summary::new(&run, &setup, names, elapsed_s);
+        let mut summary = Summary::new(&run, &setup, names);
         add_force_uncertainty(session, &mut summary, &run, instrument, &stroke, &setup, noise.as_ref())?;
 
         let picture = run_picture(&run, &stroke.title);
@@ -263,7 +259,7 @@ impl Press {
             };
             let run = simulate_observed(&instrument, inputs.as_ref(), setup, &mut Inside::default(), progress);
             let run = unless_interrupted(run)?;
-            Ok(run.map(|run| values(&Summary::new(&run, setup, names_of, 0.0))).into())
+            Ok(run.map(|run| values(&Summary::new(&run, setup, names_of))).into())
         })
     }
 
@@ -318,10 +314,9 @@ impl Press {
             let at = |count: usize| index.min(count - 1);
             let (LoadedInstrument { instrument, changed, .. }, (stroke, noise), setup) =
                 (&instruments[at(instruments.len())], &strokes[at(strokes.len())], &setups[at(setups.len())]);
-            let started = Instant::now();
             let run = play_observed(session, instrument, stroke, setup, &mut Inside::default())?;
             let names = [self.instrument.model.name(), stroke.drive_name(), self.step.solver_name()];
-            let mut summary = Summary::new(&run, setup, names, started.elapsed().as_secs_f64());
+            let mut summary = Summary::new(&run, setup, names);
             add_force_uncertainty(session, &mut summary, &run, instrument, stroke, setup, noise.as_ref())?;
             played.push(Played { instrument, changed, stroke: stroke.title.clone(), run, summary });
         }

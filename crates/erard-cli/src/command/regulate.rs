@@ -170,7 +170,7 @@ impl Regulate {
         drop(progress);
 
         let new_text = regulated.rewrite(&text).map_err(|e| Failure::Internal(e.to_string()))?;
-        let mut report = report(&regulated, soft, &asked, &name, elapsed);
+        let mut report = report(&regulated, soft, &asked, &name);
         if let (Some(settled), serde_json::Value::Object(report)) = (&settled, &mut report) {
             report.insert("aftertouch".into(), aftertouch_report(settled));
         }

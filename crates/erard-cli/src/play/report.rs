@@ -108,8 +108,6 @@ fn keyboard_json(side: &Side, score: &Score<'_>) -> Value {
         "trials": all.trials,
         "steps": side.performance.steps,
         "step_s": side.performance.step_s,
-        "elapsed_s": side.elapsed_s,
-        "real_time_factor": score.duration_s / side.elapsed_s,
     })
 }
 

@@ -77,7 +77,7 @@ fn with_no_argument_the_grand_plays() {
     let at = |name: &str| summary[name].as_f64().unwrap_or_else(|| panic!("{name} in {summary}"));
     assert!(at("key_start_s") < at("let_off_s") && at("let_off_s") < at("hammer_contact_s"));
     assert!(at("hammer_contact_s") < at("check_s"));
-    assert!(at("energy_residual_relative").abs() < 1e-3 && at("real_time_factor") > 0.0);
+    assert!(at("energy_residual_relative").abs() < 1e-3);
     // The table and the summary describe the same run: the head has risen by the blow distance when the string is hit.
     let struck = numbers.iter().find(|r| r[0] >= at("hammer_contact_s")).unwrap();
     let highest = numbers.iter().map(|r| r[3]).fold(0.0, f64::max);
