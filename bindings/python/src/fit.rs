@@ -143,8 +143,8 @@ impl Problem {
         Ok(curves.iter().map(of).collect())
     }
 
-    /// Returns the residuals, (fitted - measured) / noise, one row for each point; nan for points that cannot be
-    /// played.
+    /// Returns the residuals, (fitted - measured) / noise, whitened as the noise is correlated, one row for each point;
+    /// nan for points that cannot be played.
     #[pyo3(signature = (points, progress = None))]
     fn residuals<'py>(
         &self,
@@ -187,18 +187,21 @@ impl Problem {
         PyArray2::from_vec2(py, &values).map_err(failed)
     }
 
-    /// Returns the noise of every channel, N, m or m/s.
-    fn sigma(&self) -> Vec<f64> {
-        self.noise().sigma
+    /// Returns the noise of every channel, N, m or m/s, and its correlation time, s.
+    fn sigma(&self) -> Vec<(f64, f64)> {
+        let noise = self.noise();
+        noise.sigma.into_iter().zip(noise.correlation_time_s).collect()
     }
 
-    /// Sets the noise of every channel, as another fit estimated it.
-    fn set_sigma(&self, sigma: Vec<f64>) -> PyResult<()> {
+    /// Sets the noise of every channel and its correlation time, as another fit estimated them.
+    fn set_sigma(&self, sigma: Vec<(f64, f64)>) -> PyResult<()> {
         let noise = self.noise();
-        if sigma.len() != noise.sigma.len() || sigma.iter().any(|sigma| sigma.is_nan() || *sigma <= 0.0) {
+        let is_valid = |(sigma, time_s): &(f64, f64)| *sigma > 0.0 && *time_s >= 0.0;
+        if sigma.len() != noise.sigma.len() || !sigma.iter().all(is_valid) {
             return Err(wrong_argument("sigma", "expected a positive number for every channel"));
         }
-        self.set_noise(NoiseModel { sigma, ..noise });
+        let (sigma, correlation_time_s) = sigma.into_iter().unzip();
+        self.set_noise(NoiseModel { sigma, correlation_time_s, ..noise });
         Ok(())
     }
 }
@@ -426,6 +429,13 @@ fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict
     all.set_item("message", &found.message)?;
     all.set_item("x", &found.x)?;
     all.set_item("std", &found.std)?;
+    let intervals: Vec<(f64, f64)> = found
+        .values()
+        .zip(found.x.iter().zip(&found.half_width_95))
+        .map(|((one, ..), (x, half))| (one.si(x - half), one.si(x + half)))
+        .collect();
+    all.set_item("intervals", intervals)?;
+    all.set_item("independent_samples", found.independent_samples)?;
     all.set_item("values", found.values().map(|(_, value, error)| (value, error)).collect::<Vec<_>>())?;
     all.set_item("cov", matrix(&found.cov)?)?;
     all.set_item("inner_cov", matrix(&found.solver_cov)?)?;
@@ -438,7 +448,8 @@ fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict
     all.set_item("unseen", found.unseen())?;
     all.set_item("jacobian_agreement", found.jacobian_agreement)?;
     let channels = found.channels.iter().map(|one| {
-        (one.title.clone(), one.noise, one.noise_is_known, one.rms_at_start, one.rms, one.delay_s.map(|(s, _)| s))
+        let delay_s = one.delay_s.map(|(s, _)| s);
+        (one.title.clone(), one.noise, one.noise_is_known, one.correlation_time_s, one.rms_at_start, one.rms, delay_s)
     });
     all.set_item("channels", channels.collect::<Vec<_>>())?;
     all.set_item("correlated", found.correlated())?;

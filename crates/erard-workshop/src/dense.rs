@@ -119,6 +119,19 @@ impl Cholesky {
         x
     }
 
+    /// Solves A x = b.
+    pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
+        let n = self.n;
+        let mut x = self.forward(b);
+        for i in (0..n).rev() {
+            for k in i + 1..n {
+                x[i] -= self.lower[k * n + i] * x[k];
+            }
+            x[i] /= self.lower[i * n + i];
+        }
+        x
+    }
+
     /// Number of rows.
     pub(crate) fn rows(&self) -> usize {
         self.n

@@ -58,7 +58,8 @@ class Doubt(NamedTuple):
     ----------
     kind : str
         "no_impact": the hammer reaches the string in the recording, but not in the fitted model. "misfit": the
-        residuals exceed the noise, or the noise was estimated from correlated residuals. "bound": a parameter ended at
+        residuals exceed the noise, or their course is not that of noise. "too_short": the noise is correlated for so long
+        that the recordings hold fewer than ten independent samples for each parameter, and no errors are given. "bound": a parameter ended at
         a bound. "restarts": fits from several starts ended at different points. "beyond_impact": the data continue
         after the first impact. "derivatives": the derivatives depend on the step of their differences. "noise_unknown":
         the noise of a column is unknown; it is taken as zero for a drive and estimated from the residuals for a
@@ -90,7 +91,7 @@ class Problem:
     """Residuals and their Jacobian over the inner parameters: those of the instrument, then the delays in ms. Pickling
     keeps the arguments and the noise."""
 
-    def __init__(self, asked: Asked, sigma: list[float] | None = None) -> None:
+    def __init__(self, asked: Asked, sigma: list[tuple[float, float]] | None = None) -> None:
         self.asked = asked
         inner = [recording._inner for recording in asked.recordings]
         self._inner = _erard.Problem(
@@ -112,8 +113,8 @@ class Problem:
         return self._inner.outer(np.ascontiguousarray(points))
 
     def residuals(self, points: Array, tell: Callable[[int], None] | None = None) -> Array:
-        """Returns the residuals, (fitted - measured) / noise, one row for each point; nan for points that cannot be
-        played."""
+        """Returns the residuals, (fitted - measured) / noise, whitened as the noise is correlated, one row for each
+        point; nan for points that cannot be played."""
         return self._inner.residuals(np.ascontiguousarray(points), tell)
 
     def jacobian(self, point: Array, exact: bool = False) -> Array:
@@ -137,9 +138,18 @@ class Fit:
         Fitted changes from the instrument at the start: turns of screws (m, rad, N m), factors of other parameters.
         `instrument` is the instrument with these changes, `values` holds the values.
     std : dict of str to float
-        Standard deviations of `x`, from the covariance.
+        Standard deviations of `x`, from the covariance, due to noise alone. nan, like `cov`, if the recordings are too
+        short for the correlation of their noise ("too_short" among the doubts).
     values, errors : dict of str to float
         Fitted parameters and their standard deviations in SI units: masses, stiffnesses, settings.
+    intervals : dict of str to (float, float)
+        95 % intervals of `values`: Student's, because the estimates of noise and correlation scatter, too.
+    independent_samples : float
+        Number of independent samples that have as precise a mean as the compared ones. Errors need ten for every
+        parameter and delay.
+    correlation_times : dict of str to float
+        Correlation time of the noise of each channel, s, estimated from the residuals: the correlation falls as
+        exp(-t / time). 0 for white noise.
     cov : ndarray of shape (P, P)
         Covariance of `x`, in the order of its names.
     correlation : ndarray of shape (P, P)
@@ -153,7 +163,7 @@ class Fit:
     residuals : ndarray of shape (M,)
         Residuals, (fitted - measured) / noise.
     chi2_reduced : float or None
-        Sum of the squared residuals over the degrees of freedom. `None` if a channel's noise was estimated from its
+        Sum of the squared residuals, whitened as their noise is correlated, over the degrees of freedom. `None` if a channel's noise was estimated from its
         residuals, because the value is then 1 for any fit.
     chi2_expected : float or None
         Expected `chi2_reduced` of a true model: 1 from the sensors' noise, plus the contribution of the drive's noise.
@@ -176,6 +186,8 @@ class Fit:
         names = [row[0] for row in found["free"]]
         self.x = dict(zip(names, found["x"], strict=True))
         self.std = dict(zip(names, found["std"], strict=True))
+        self.intervals = dict(zip(names, found["intervals"], strict=True))
+        self.independent_samples = found["independent_samples"]
         self.values = {name: value for name, (value, _) in zip(names, found["values"], strict=True)}
         self.errors = {name: error for name, (_, error) in zip(names, found["values"], strict=True)}
         self.cov, self._inner_cov, self._sensors_cov = found["cov"], found["inner_cov"], found["sensors_cov"]
@@ -187,8 +199,9 @@ class Fit:
         self.jacobian_agreement = found["jacobian_agreement"]
         channels = found["channels"]
         self.noise = {title: sigma for title, sigma, *_ in channels}
-        self.rms_at_start = {title: start for title, _, _, start, *_ in channels}
-        self.rms = {title: end for title, _, _, _, end, _ in channels}
+        self.correlation_times = {title: time_s for title, _, _, time_s, *_ in channels}
+        self.rms_at_start = {title: start for title, _, _, _, start, *_ in channels}
+        self.rms = {title: end for title, _, _, _, _, end, _ in channels}
         self.delays = {title: delay for title, *_, delay in channels if delay is not None}
         self.evaluations, self.differentiated = found["evaluations"], found["differentiated"]
 
@@ -250,8 +263,9 @@ class Fit:
         if pairs := self._found["correlated"]:
             lines += ["Correlations above 0.5", *(f"  {names[i]} and {names[j]}: {r:+.2f}" for i, j, r in pairs)]
         lines += ["Fitted less measured, root mean square, SI"]
-        for title, noise, is_known, start, end, _ in self._found["channels"]:
-            lines += [f"  {title}: {start:.3g} at the start, {end:.3g} at the end; noise {noise:.3g}{'' if is_known else ', from the residuals'}"]
+        for title, noise, is_known, time_s, start, end, _ in self._found["channels"]:
+            whence = ("" if is_known else ", from the residuals") + (f", correlated over {1e3 * time_s:.2f} ms" if time_s > 0.0 else "")
+            lines += [f"  {title}: {start:.3g} at the start, {end:.3g} at the end; noise {noise:.3g}{whence}"]
         lines += [f"Delay of {title}: {1e3 * delay:.3f} ms" for title, delay in self.delays.items()]
         lines += [f"Not seen: {told}" for told in self.unseen]
         return "\n".join(lines)

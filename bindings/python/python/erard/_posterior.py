@@ -114,6 +114,8 @@ def sample(
     if walkers is None:
         walkers = 32 if sampler == "emcee" else 2
     walkers, length, burn = whole("walkers", walkers), whole("length", length), whole("burn", burn, 0)
+    if np.isnan(found._inner_cov).any():
+        raise InputError("found: a fit without errors, because its recordings are too short for the correlation of their noise", key="found")
     problem = found._problem
     low, high = problem.bounds()
     count = len(low)

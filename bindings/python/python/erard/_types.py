@@ -40,6 +40,9 @@ class Fitted(TypedDict):
     std: list[float]
     #: SI value and standard deviation.
     values: list[tuple[float, float]]
+    #: 95 % intervals of the SI values.
+    intervals: list[tuple[float, float]]
+    independent_samples: float
     cov: Floats
     inner_cov: Floats
     sensors_cov: Floats
@@ -50,8 +53,9 @@ class Fitted(TypedDict):
     singular_values: Floats
     unseen: list[str]
     jacobian_agreement: float
-    #: Title, noise, whether it is known, root mean square misfit at the start and at the end, delay.
-    channels: list[tuple[str, float, bool, float, float, float | None]]
+    #: Title, noise, whether it is known, its correlation time, root mean square misfit at the start and at the end,
+    #: delay.
+    channels: list[tuple[str, float, bool, float, float, float, float | None]]
     #: Two parameters by index, and their correlation.
     correlated: list[tuple[int, int, float]]
     evaluations: int

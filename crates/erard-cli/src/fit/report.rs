@@ -17,6 +17,7 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
         })
     });
     let parameters = found.values().enumerate().map(|(k, (one, value, std))| {
+        let interval = [-1.0, 1.0].map(|way| one.si(found.x[k] + way * found.half_width_95[k]));
         let varied = json!({
             "kind": if one.parameter.is_factor() { "factor" } else { "turn" },
             "value": found.x[k],
@@ -29,6 +30,7 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
             "unit": one.unit(),
             "value": value,
             "std": std,
+            "interval_95": interval,
             "start": one.value,
             "low": one.si(one.low),
             "high": one.si(one.high),
@@ -57,6 +59,7 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
             "column": block.column,
             "noise": channel.noise,
             "noise_is_estimated": !channel.noise_is_known,
+            "correlation_time_s": channel.correlation_time_s,
             "rms_at_start": channel.rms_at_start,
             "rms": channel.rms,
             "delay_s": channel.delay_s.map(|(s, _)| s),
@@ -70,6 +73,7 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
         "ended": found.message,
         "recordings": recordings.collect::<Value>(),
         "samples": found.residuals.len(),
+        "independent_samples": found.independent_samples,
         "degrees_of_freedom": found.degrees_of_freedom,
         "chi2_reduced": found.chi2().map(|(reduced, _)| reduced),
         "chi2_expected": found.chi2().map(|(_, expected)| expected),

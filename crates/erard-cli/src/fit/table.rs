@@ -46,17 +46,33 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
         },
         String::new(),
     ]);
-    let head = ["parameter", "value", "+-", "start", "from", "to", "unit", ""].map(str::to_owned);
+    let head = ["parameter", "value", "+-", "95 %", "start", "from", "to", "unit", ""].map(str::to_owned);
     let rows = found.values().enumerate().map(|(k, (one, value, std))| {
         let (by, unit) = one.shown_unit();
-        let places = decimals(value * by, std * by);
+        // Without an error, four digits of the value.
+        let places = decimals(value * by, if std.is_nan() { 1e-3 * (value * by).abs() } else { std * by });
         let number = |x: f64| shown(x * by, places);
         let end = if one.is_at_a_bound(found.x[k]) { "at its end" } else { "" };
         let bounds = [one.si(one.low), one.si(one.high)].map(number);
         let [low, high] = bounds;
-        [one.name.clone(), number(value), number(std), number(one.value), low, high, unit.to_owned(), end.to_owned()]
+        let half = one.si_error(found.x[k], found.half_width_95[k]);
+        [
+            one.name.clone(),
+            number(value),
+            number(std),
+            number(half),
+            number(one.value),
+            low,
+            high,
+            unit.to_owned(),
+            end.to_owned(),
+        ]
     });
     lines.extend(Table::of(head, rows).to_string().lines().map(str::to_owned));
+    lines.push(match found.has_errors() {
+        true => "  +-: one standard deviation; 95 %: half of that interval; both are due to noise alone".to_owned(),
+        false => "  no errors: the recordings are too short for their noise".to_owned(),
+    });
     for Meaning { name, explanation, quantity, unit, before, value, std } in &found.meanings {
         let places = decimals(*value, *std);
         let [value, std, before] = [*value, *std, *before].map(|x| shown(x, places));
@@ -86,7 +102,9 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> V
 /// Of every channel root mean square misfit where the fit began and at its end beside the sensor's noise, in the data's
 /// unit; delays.
 fn misfits(found: &FitResult, problem: &Problem) -> Vec<String> {
-    let head = ["measured less fitted, rms", "start", "end", "noise", "unit", ""].map(str::to_owned);
+    let is_correlated = found.channels.iter().any(|channel| channel.correlation_time_s > 0.0);
+    let correlated = if is_correlated { "correlated, ms" } else { "" };
+    let head = ["measured less fitted, rms", "start", "end", "noise", "unit", correlated, ""].map(str::to_owned);
     let rows = problem.blocks().iter().zip(&found.channels).map(|(block, channel)| {
         let (by, unit) = misfit_unit(block.column);
         let places = decimals(channel.noise * by, 0.1 * channel.noise * by);
@@ -97,6 +115,11 @@ fn misfits(found: &FitResult, problem: &Problem) -> Vec<String> {
             number(channel.rms),
             number(channel.noise),
             unit.to_owned(),
+            match channel.correlation_time_s {
+                time_s if time_s > 0.0 => format!("{:.2}", 1e3 * time_s),
+                _ if is_correlated => "no".to_owned(),
+                _ => String::new(),
+            },
             if channel.noise_is_known { String::new() } else { "noise from the residuals".to_owned() },
         ]
     });

@@ -229,3 +229,86 @@ fn what_is_wrong_is_named() {
     }
     assert!(folder.bad(&["fit", "no-such-grand", "mf.csv", mass]).contains("no-such-grand"));
 }
+
+/// Noise of the key and hammer that is correlated over 2.4 ms, as behind a filter of 67 Hz, and over 12 ms, added to a
+/// run of the grand: the truth, no change, is within the errors, which are several times those of white noise; so slow
+/// a noise leaves no errors, and the first lines say how long a recording would do.
+#[test]
+fn errors_know_that_noise_is_correlated() {
+    let folder = Folder::new("fit-correlated");
+    folder.good(&[
+        "press",
+        "--instrument",
+        "concert-grand-rigid",
+        "--force-step",
+        "8N",
+        "--duration",
+        "0.07",
+        "--out",
+        "run",
+    ]);
+    let run = folder.read("run/run.csv");
+    let mut lines = run.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let at = |name: &str| names.iter().position(|own| *own == name).unwrap();
+    let [time, force, key, hammer] = ["time_s", "force_N", "key_m", "hammer_rise_m"].map(at);
+    let rows: Vec<Vec<f64>> = lines.map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    // A 4 kHz sensor, up to shortly after the impact.
+    let highest = rows.iter().map(|row| row[hammer]).fold(0.0, f64::max);
+    let end = rows.iter().position(|row| row[hammer] == highest).unwrap();
+    let step = ((250e-6 / (rows[1][time] - rows[0][time])).round() as usize).max(1);
+    let file = |name: &str, correlated_s: f64| {
+        let dt_s = step as f64 * (rows[1][time] - rows[0][time]);
+        let own = if correlated_s > 0.0 { (-dt_s / correlated_s).exp() } else { 0.0 };
+        let mut rng = fastrand::Rng::with_seed(5);
+        let mut normal = || (0..12).map(|_| rng.f64()).sum::<f64>() - 6.0;
+        let mut noise = [normal(), normal()];
+        let mut text = String::from("time_s,force_N,key_m,hammer_rise_m\n");
+        for row in rows[..end + 20].iter().step_by(step) {
+            text += &format!(
+                "{},{},{},{}\n",
+                row[time],
+                row[force],
+                row[key] + 1e-5 * noise[0],
+                row[hammer] + 5e-5 * noise[1]
+            );
+            noise.iter_mut().for_each(|x| *x = own * *x + (1.0 - own * own).sqrt() * normal());
+        }
+        folder.file(name, &text);
+    };
+    let arguments = |name| {
+        let sigma = "--sigma=position=10um,hammer=50um,force=0";
+        [
+            "fit",
+            "concert-grand-rigid",
+            name,
+            "--parameters=body.hammer.mass",
+            sigma,
+            "--restarts=0",
+            "--zero=force=0N",
+            "--low-pass=off",
+            "--no-pictures",
+        ]
+    };
+    let mut errors = Vec::new();
+    for (name, time_s, found_s) in [("white.csv", 0.0, 0.0..1e-9), ("slow.csv", 2.4e-3, 0.8e-3..7e-3)] {
+        file(name, time_s);
+        let said = folder.good(&arguments(name));
+        let found = json(&folder);
+        let row = &found["parameters"][0];
+        let [low, high] = [0, 1].map(|k| row["interval_95"][k].as_f64().unwrap());
+        let truth = number(row, "start");
+        assert!(low < truth && truth < high, "{name}: {truth} in {low} to {high}");
+        errors.push(number(row, "std"));
+        for channel in found["channels"].as_array().unwrap() {
+            assert!(found_s.contains(&number(channel, "correlation_time_s")), "{name}: {channel}");
+        }
+        assert!(Folder::words(&said).contains("both are due to noise alone"), "{said}");
+    }
+    assert!(errors[1] > 1.5 * errors[0], "{errors:?}");
+    file("slower.csv", 12e-3);
+    let said = doubtful(&folder, &arguments("slower.csv"), &["too_short"]);
+    let found = json(&folder);
+    assert!(found["parameters"][0]["std"].is_null() && found["parameters"][0]["interval_95"][0].is_null(), "{found}");
+    assert!(Folder::words(&said).contains(" s of recording would do"), "{said}");
+}

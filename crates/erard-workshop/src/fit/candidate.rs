@@ -69,6 +69,11 @@ impl Best {
         Best { loss, candidate: None }
     }
 
+    /// Forgets all points.
+    pub(super) fn forget(&mut self) {
+        self.candidate = None;
+    }
+
     /// Rates a point by its residuals without weights.
     pub(super) fn rate(&self, problem: &Problem, noise: &NoiseModel, point: &[f64], residuals: &[f64]) -> Candidate {
         Candidate::new(problem, noise, self.loss, point, residuals)

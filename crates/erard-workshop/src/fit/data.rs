@@ -10,8 +10,9 @@ use fastrand::Rng;
 use moreau::Settings;
 
 use super::FitError;
+use super::correlation::unwhiten;
 use crate::balance::median;
-use erard::recording::{Butterworth, ChannelReport, LowPass, Preparation, Prepared, prepare};
+use erard::recording::{Butterworth, ChannelReport, LowPass, Preparation, Prepared, Whence, prepare};
 
 /// Columns that can be fitted, and their assumed noise if unknown, N, m and m/s.
 pub const COLUMNS: [(&str, Role, f64); 4] = [
@@ -36,6 +37,11 @@ const RATE_HZ: f64 = 4000.0;
 /// Samples at both ends of a recorded motion that are not compared: its spline rings where the recording stops, so that
 /// forces there are meaningless.
 const SPLINE_ENDS: usize = 10;
+
+/// Standard deviations beyond which the correlation of a drive's rest is more than chance, and the largest that counts:
+/// a rest shows no slower noise.
+const CHANCE: f64 = 3.5;
+const MAX_CORRELATION: f64 = 0.99;
 
 /// A recording prepared for a fit.
 #[derive(Debug)]
@@ -165,6 +171,18 @@ impl Data {
         Setup { settings, hand, start_s, ledger: false, ..Setup::new(duration_s) }
     }
 
+    /// Sampling interval of the instants, s.
+    pub(super) fn dt_s(&self) -> f64 {
+        self.every as f64 * self.settings.step
+    }
+
+    /// Whether the noise of a column was read at the upper end of its spectrum, which takes it for white.
+    pub(super) fn is_noise_from_spectrum(&self, column: &str) -> bool {
+        let role = COLUMNS.iter().find(|(own, ..)| *own == column).map(|(_, role, _)| *role);
+        let noise = role.and_then(|role| self.prepared.report.channel(role)?.noise);
+        noise.is_some_and(|noise| noise.whence == Whence::Spectrum)
+    }
+
     /// Number of samples compared per column.
     pub fn rows(&self) -> usize {
         self.compared.len()
@@ -198,6 +216,24 @@ impl Data {
         noise.map_or(0.0, |noise| noise.uncertainty)
     }
 
+    /// Correlation of the drive's noise from sample to sample in its rest; 0 without a rest, or if it is not beyond
+    /// chance.
+    fn drive_correlation(&self) -> f64 {
+        let role = self.driving_role();
+        let series = &self.prepared.series;
+        let values = match role {
+            Role::Force => series.force.as_ref().map(ForceSeries::forces_n),
+            _ => series.position.as_ref().map(PositionSeries::positions_m),
+        };
+        let zero = self.prepared.report.channel(role).and_then(|report| report.zero);
+        let (Some(values), Some(zero)) = (values, zero) else { return 0.0 };
+        let rest = &values[..zero.samples.min(values.len())];
+        let squares: f64 = rest.iter().map(|x| x * x).sum();
+        let products: f64 = rest.windows(2).map(|pair| pair[0] * pair[1]).sum();
+        let found = if squares > 0.0 { products / squares } else { 0.0 };
+        if found > CHANCE / (rest.len() as f64).sqrt() { found.min(MAX_CORRELATION) } else { 0.0 }
+    }
+
     /// The driving stroke with noise of this root mean square added to each sample, after the same zero correction and
     /// filter.
     pub(super) fn disturbed(&self, sigma: f64, rng: &mut Rng) -> Result<Stroke, FitError> {
@@ -209,6 +245,7 @@ impl Data {
         };
         let disturb = |values: &[f64], rng: &mut Rng| -> Vec<f64> {
             let mut noise: Vec<f64> = values.iter().map(|_| sigma * normal(rng)).collect();
+            unwhiten(&mut noise, self.drive_correlation());
             let report = self.driven.report.channel(role);
             if let Some(zero) = report.and_then(|report| report.zero) {
                 let rest = zero.samples.clamp(1, noise.len());

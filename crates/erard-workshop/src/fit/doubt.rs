@@ -15,8 +15,10 @@ pub struct Doubt {
 pub enum DoubtKind {
     /// The recording's hammer reaches the string; the fitted model's does not.
     NoImpact,
-    /// The residuals exceed what the noise of sensor and drive explains.
+    /// The residuals exceed what the noise of sensor and drive explains, or differ from noise by their course.
     Misfit,
+    /// The noise is correlated over so long a time that the recordings are too short for errors.
+    TooShort,
     /// A parameter ended at a bound.
     Bound,
     /// Attempts from several starts ended at different places.
@@ -38,6 +40,7 @@ impl DoubtKind {
         match self {
             DoubtKind::NoImpact => "no_impact",
             DoubtKind::Misfit => "misfit",
+            DoubtKind::TooShort => "too_short",
             DoubtKind::Bound => "bound",
             DoubtKind::Restarts => "restarts",
             DoubtKind::BeyondImpact => "beyond_impact",

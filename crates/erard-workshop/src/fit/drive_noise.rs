@@ -15,8 +15,10 @@ pub(super) const DISTURBED: usize = 48;
 /// Changes of the residuals under a disturbed drive: [`DISTURBED`] columns for each recording whose drive has noise.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct DriveNoise {
-    /// All columns; zero in the rows of other recordings.
+    /// All columns over the sensors' noise; zero in the rows of other recordings.
     pub columns: Columns,
+    /// The same, whitened as residuals are.
+    pub whitened: Columns,
 }
 
 impl DriveNoise {
@@ -52,7 +54,9 @@ impl DriveNoise {
             }
         }
         simulator.report()?;
-        Ok(DriveNoise { columns })
+        let mut whitened = columns.clone();
+        whitened.iter_mut().for_each(|column| noise.whiten(problem, column));
+        Ok(DriveNoise { columns, whitened })
     }
 
     /// Expected reduced chi2: 1, plus the contribution of a typical disturbance of each recording.
@@ -62,12 +66,28 @@ impl DriveNoise {
             squares.sort_unstable_by(f64::total_cmp);
             0.5 * (squares[squares.len() / 2 - 1] + squares[squares.len() / 2])
         };
-        1.0 + self.columns.chunks_exact(DISTURBED).map(typical).sum::<f64>() / rows as f64
+        1.0 + self.whitened.chunks_exact(DISTURBED).map(typical).sum::<f64>() / rows as f64
+    }
+
+    /// Columns whose outer products add up to the covariance of the drive's effect on the residuals.
+    pub(super) fn covariance_columns(&self) -> Columns {
+        let scale = (DISTURBED as f64).sqrt().recip();
+        self.columns.iter().map(|column| column.iter().map(|x| x * scale).collect()).collect()
     }
 
     /// The largest mean square that a disturbance causes in some rows, over the noise; 0 without disturbances.
     pub(super) fn largest(&self, rows: Range<usize>) -> f64 {
-        let mean = |column: &Vec<f64>| column[rows.clone()].iter().map(|x| x * x).sum::<f64>() / rows.len() as f64;
-        self.columns.iter().map(mean).fold(0.0, f64::max)
+        largest(&self.columns, &rows)
     }
+
+    /// The same of whitened residuals.
+    pub(super) fn largest_whitened(&self, rows: Range<usize>) -> f64 {
+        largest(&self.whitened, &rows)
+    }
+}
+
+/// The largest mean square of a column in some rows.
+fn largest(columns: &Columns, rows: &Range<usize>) -> f64 {
+    let mean = |column: &Vec<f64>| column[rows.clone()].iter().map(|x| x * x).sum::<f64>() / rows.len() as f64;
+    columns.iter().map(mean).fold(0.0, f64::max)
 }

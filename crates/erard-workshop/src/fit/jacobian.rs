@@ -123,7 +123,10 @@ pub fn by_gradient(
     let problem = simulator.problem();
     let played = simulator.play_with_derivatives(point)?;
     let mut columns = gradient_columns(problem, noise, point, &played)?;
-    columns.iter_mut().for_each(|column| weigh(column, weights));
+    for column in &mut columns {
+        noise.whiten(problem, column);
+        weigh(column, weights);
+    }
     Ok(columns)
 }
 

@@ -11,6 +11,7 @@
 //! [`TrustRegion`] by SciPy's.
 
 mod candidate;
+mod correlation;
 mod data;
 mod doubt;
 mod doubts;

@@ -4,6 +4,8 @@ use crate::dense::Columns;
 use crate::sensitivities::SensitivityError;
 
 use super::candidate::{Best, Candidate};
+use super::correlation::Leftovers;
+use super::drive_noise::DriveNoise;
 use super::jacobian::{DIFFERENCES, Differences, by_gradient, check_gradient, weigh};
 use super::problem::Problem;
 use super::simulator::Simulator;
@@ -125,6 +127,66 @@ impl<'s, 'p> Objective<'s, 'p> {
         }
         self.is_exact = true;
         Ok(())
+    }
+
+    /// Standardised residuals and their derivatives at a point as if no row's noise depended on another's, from
+    /// whitened ones.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub(super) fn unwhitened(&mut self, point: &[f64], jacobian: &Columns) -> Result<(Vec<f64>, Columns), FitError> {
+        let problem = self.problem();
+        let (mut residuals, mut jacobian) = (self.unweighted(point)?, jacobian.clone());
+        for column in jacobian.iter_mut().chain(std::iter::once(&mut residuals)) {
+            self.noise.unwhiten(problem, column);
+        }
+        Ok((residuals, jacobian))
+    }
+
+    /// Estimates the correlation of the sensors' noise from the residuals at a point, their derivatives and the effect
+    /// of a noisy drive. If it differs from the one before, it becomes the noise model's, and all points played so far
+    /// are forgotten: their scores are those of other noise. Returns whether it does.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub(super) fn correlate(
+        &mut self,
+        point: &[f64],
+        jacobian: &Columns,
+        drive: &DriveNoise,
+    ) -> Result<bool, FitError> {
+        let problem = self.problem();
+        let (residuals, jacobian) = self.unwhitened(point, jacobian)?;
+        if residuals.iter().any(|x| x.abs() >= UNPLAYABLE) {
+            return Ok(false);
+        }
+        let is_free = |k: usize| {
+            let block = &problem.blocks()[k];
+            let is_given = self.noise.known_noise[k].is_some() && self.noise.uncertainty[k] == 0.0;
+            let is_white = !is_given && problem.recording_of(block).is_noise_from_spectrum(block.column);
+            self.noise.known_noise[k].is_none() || is_white
+        };
+        let channels = self.noise.channels(problem, is_free);
+        let covariance = drive.covariance_columns();
+        let left = Leftovers { channels: &channels, residuals: &residuals, jacobian: &jacobian, drive: &covariance };
+        let found = left.estimate();
+        let mut noise = self.noise.clone();
+        if !noise.correlate(problem, &channels, &found) {
+            return Ok(false);
+        }
+        let was_white = self.noise.correlation_time_s.iter().all(|time_s| *time_s == 0.0);
+        if !noise.whitens && (was_white || !self.noise.whitens) {
+            // Residuals and scores stay as they are.
+            self.noise.correlation_time_s = noise.correlation_time_s;
+            self.noise.whitens = false;
+            return Ok(false);
+        }
+        self.noise = noise;
+        self.best.forget();
+        self.simulator.clear_cache();
+        // The point is the first of those that are rated anew.
+        self.unweighted(point)?;
+        Ok(true)
     }
 
     /// Estimates the unknown noise of blocks from the residuals at a point. Returns whether it agrees with the estimate

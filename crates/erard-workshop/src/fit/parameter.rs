@@ -87,7 +87,7 @@ impl FitParameter {
     }
 
     /// Converts a deviation of a turn or factor to SI units.
-    pub(crate) fn si_error(&self, x: f64, error: f64) -> f64 {
+    pub fn si_error(&self, x: f64, error: f64) -> f64 {
         if self.parameter.is_factor() { (self.value * x).abs() * error / x } else { error }
     }
 

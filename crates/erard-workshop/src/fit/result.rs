@@ -3,6 +3,7 @@
 use crate::dense::{Columns, dot, svd, times};
 
 use super::candidate::{Candidate, best_of, within_tolerance};
+use super::correlation::student_95;
 use super::doubt::Doubt;
 use super::drive_noise::{DISTURBED, DriveNoise};
 use super::problem::ResidualBlock;
@@ -41,15 +42,22 @@ pub struct FitResult {
     pub message: String,
     /// Values, as in `parameters`: turns in m, rad or N m, factors of other parameters.
     pub x: Vec<f64>,
-    /// Standard deviations of `x`.
+    /// Standard deviations of `x`, due to noise alone. NaN, like all covariances, if the recordings are too short for
+    /// the correlation of their noise ([`FitResult::independent_samples`]).
     pub std: Vec<f64>,
+    /// Half widths of the 95 % intervals of `x`: Student's, because the estimates of the noise and of its correlation
+    /// scatter. NaN if `std` is.
+    pub half_width_95: Vec<f64>,
+    /// Number of independent samples that have as precise a mean as the compared ones: fewer if noise is correlated.
+    /// Errors need ten of them for every parameter and delay.
+    pub independent_samples: f64,
     /// Covariance of `x`.
     pub cov: Columns,
-    /// Fitted less measured, over the noise.
+    /// Fitted less measured, over the noise; not whitened.
     pub residuals: Vec<f64>,
     /// Number of residuals less number of parameters and delays.
     pub degrees_of_freedom: usize,
-    /// Sum of squared residuals over the degrees of freedom. See [`FitResult::chi2`] for its meaning.
+    /// Sum of squared whitened residuals over the degrees of freedom. See [`FitResult::chi2`] for its meaning.
     pub chi2_reduced: f64,
     /// Expected value if the model is true: 1 for the sensors' noise, plus the contribution of the drive's noise, which
     /// moves the model itself.
@@ -92,8 +100,11 @@ pub(super) struct Conclusion {
     pub point: Vec<f64>,
     /// Reason why the solver ended, in words.
     pub message: String,
-    /// Residuals at the point.
+    /// Whitened residuals at the point, and these before they are whitened.
     pub residuals: Vec<f64>,
+    pub unwhitened: Vec<f64>,
+    /// Degrees of freedom of every parameter's variance.
+    pub variance_freedom: Vec<f64>,
     /// Jacobian at the point.
     pub jacobian: Columns,
     /// Relative change of the Jacobian with its difference step.
@@ -116,6 +127,10 @@ pub struct FittedChannel {
     pub noise: f64,
     /// Whether the noise was given or measured on the recording, so that misfit can be distinguished from it.
     pub noise_is_known: bool,
+    /// Correlation time of the noise, s: its correlation falls as exp(-t / time); 0 for white noise.
+    pub correlation_time_s: f64,
+    /// Correlation of the noise from sample to sample.
+    pub correlation: f64,
     /// Root mean square of fitted less measured at the start of the fit, N, m or m/s.
     pub rms_at_start: f64,
     /// Root mean square of fitted less measured at the result, N, m or m/s.
@@ -136,8 +151,18 @@ const MIN_SHARE: f64 = 0.3;
 impl FitResult {
     /// Makes the result, without doubts and meanings, from the end of a search.
     pub(super) fn new(simulator: &Simulator<'_>, end: &Conclusion, drive_noise: &DriveNoise) -> Self {
-        let Conclusion { point, message, residuals, jacobian, jacobian_agreement, ends, rms_at_start, noise } =
-            end.clone();
+        let Conclusion {
+            point,
+            message,
+            residuals,
+            unwhitened,
+            variance_freedom,
+            jacobian,
+            jacobian_agreement,
+            ends,
+            rms_at_start,
+            noise,
+        } = end.clone();
         let problem = simulator.problem();
         let parameters = problem.parameters().to_vec();
         let (count, all) = (parameters.len(), point.len());
@@ -157,7 +182,7 @@ impl FitResult {
         let left_vectors: Columns =
             (0..all).map(|k| times(&scaled, &factors.directions[k]).iter().map(|x| x / seen[k]).collect()).collect();
         let by_drive: Columns = drive_noise
-            .columns
+            .whitened
             .iter()
             .map(|column| {
                 let seen: Vec<f64> = left_vectors.iter().map(|own| dot(own, column)).collect();
@@ -176,26 +201,40 @@ impl FitResult {
         let slopes: Vec<f64> = parameters.iter().zip(&point).map(|(one, p)| one.slope(*p)).collect();
         let cov: Columns =
             (0..count).map(|i| (0..count).map(|j| solver_cov[i][j] * slopes[i] * slopes[j]).collect()).collect();
+        let [good, apart] = spread(&ends, &point, &solver_cov[..count]);
+        let independent_samples = noise.independent_samples(problem);
+        // Samples that depend on each other are too few for errors: the estimate of their correlation scatters too
+        // much.
+        let no_errors = !noise.is_enough(problem);
+        let kept = |matrix: Columns| -> Columns {
+            let shown = |x: f64| if no_errors { f64::NAN } else { x };
+            matrix.into_iter().map(|row| row.into_iter().map(shown).collect()).collect()
+        };
+        let (cov, solver_cov, sensors_cov) = (kept(cov), kept(solver_cov), kept(sensors_cov));
         let delay_s = |channel: usize| {
             let std_s = || 1e-3 * solver_cov[count + channel][count + channel].sqrt();
             problem.has_delays().then(|| (problem.delay_s(&point, channel), std_s()))
         };
         let channel = |(k, block): (usize, &ResidualBlock)| {
-            let own = &residuals[block.rows.clone()];
+            let own = &unwhitened[block.rows.clone()];
             FittedChannel {
                 title: block.title.clone(),
                 noise: noise.sigma[k],
                 noise_is_known: noise.known_noise[k].is_some(),
+                correlation_time_s: noise.correlation_time_s[k],
+                correlation: noise.correlation(problem, k),
                 rms_at_start: rms_at_start[k],
                 rms: noise.sigma[k] * (dot(own, own) / own.len() as f64).sqrt(),
                 delay_s: delay_s(k),
             }
         };
         let channels = problem.blocks().iter().enumerate().map(channel).collect();
-        let [good, apart] = spread(&ends, &point, &solver_cov[..count]);
+        let std: Vec<f64> = (0..count).map(|i| cov[i][i].sqrt()).collect();
         FitResult {
             x: problem.from_solver(&point),
-            std: (0..count).map(|i| cov[i][i].sqrt()).collect(),
+            half_width_95: std.iter().zip(&variance_freedom).map(|(std, n)| student_95(*n) * std).collect(),
+            std,
+            independent_samples,
             cov,
             degrees_of_freedom,
             chi2_reduced,
@@ -214,7 +253,7 @@ impl FitResult {
             evaluations: simulator.evaluations(),
             differentiated: simulator.differentiated(),
             message,
-            residuals,
+            residuals: unwhitened,
             point,
             parameters,
             noise,
@@ -232,6 +271,11 @@ impl FitResult {
     pub fn values(&self) -> impl Iterator<Item = (&FitParameter, f64, f64)> + '_ {
         let all = self.parameters.iter().zip(self.x.iter().zip(&self.std));
         all.map(|(one, (x, std))| (one, one.si(*x), one.si_error(*x, *std)))
+    }
+
+    /// Whether the result has errors: NaN otherwise.
+    pub fn has_errors(&self) -> bool {
+        self.std.iter().all(|std| !std.is_nan())
     }
 
     /// Correlation of two parameters.

@@ -3,9 +3,10 @@
 
 use fastrand::Rng;
 
-use crate::dense::norm;
+use crate::dense::{Columns, norm};
 
 use super::candidate::{Candidate, best_of, within_tolerance};
+use super::correlation::{Leftovers, NoisyRows};
 use super::doubts::doubts;
 use super::drive_noise::DriveNoise;
 use super::jacobian::DIFFERENCES;
@@ -29,6 +30,8 @@ const MAX_DISTANCE: f64 = 0.2;
 const BETTER: f64 = 1e-3;
 /// Rounds of alternating estimates of noise and parameters.
 const ROUNDS: usize = 3;
+/// Rounds of alternating estimates of the noise's correlation and parameters.
+const MAX_CORRELATIONS: usize = 4;
 
 /// Fits the parameters of the simulator's problem to its recordings. Noise that is unknown is estimated; the result has
 /// the estimate.
@@ -175,33 +178,76 @@ impl<'a, 's, 'p> Search<'a, 's, 'p> {
         Ok(())
     }
 
+    /// Solves again with the correlation of the noise that the residuals show, until both agree. Returns the best
+    /// point, the Jacobian there and the effect of a noisy drive.
+    fn correlate(&mut self) -> Result<(Vec<f64>, Columns, DriveNoise), FitError> {
+        let mut round = 0;
+        loop {
+            let objective = &mut self.objective;
+            let point = objective.best.candidate()?.point.clone();
+            objective.estimate_noise(&point)?;
+            let drive_noise = DriveNoise::play(objective.simulator, &objective.noise, &point)?;
+            let jacobian = objective.jacobian(&point, DIFFERENCES[1])?;
+            if round == MAX_CORRELATIONS || !objective.correlate(&point, &jacobian, &drive_noise)? {
+                return Ok((point, jacobian, drive_noise));
+            }
+            round += 1;
+            // Every attempt goes on from where it ended, the best one from the best point.
+            let best = best_of(&self.ends).point.clone();
+            for from in std::mem::take(&mut self.ends) {
+                let is_best = from.point == best;
+                let found = self.solve_finely(if is_best { &point } else { &from.point })?;
+                if is_best {
+                    self.message = found.message;
+                }
+                self.ends.push(self.objective.candidate(&found.point)?);
+            }
+        }
+    }
+
     /// Computes the Jacobian at the best point ever played, its dependence on the difference step, and the result.
     fn conclude(mut self) -> Result<FitResult, FitError> {
+        let (point, jacobian, drive_noise) = self.correlate()?;
         let objective = &mut self.objective;
-        let point = objective.best.candidate()?.point.clone();
-        objective.estimate_noise(&point)?;
-        let drive_noise = DriveNoise::play(objective.simulator, &objective.noise, &point)?;
-        let jacobian = objective.jacobian(&point, DIFFERENCES[1])?;
         let wide = objective.by_differences(&point, DIFFERENCES[0])?;
         let other =
             if objective.is_exact() { jacobian.clone() } else { objective.by_differences(&point, DIFFERENCES[2])? };
         let residuals = objective.residuals(&point)?;
+        let (unwhitened, unwhitened_jacobian) = objective.unwhitened(&point, &jacobian)?;
+        let noise = &objective.noise;
+        let channels = noise.channels(objective.problem(), |k| noise.known_noise[k].is_none());
+        let drive = drive_noise.covariance_columns();
+        let left =
+            Leftovers { channels: &channels, residuals: &unwhitened, jacobian: &unwhitened_jacobian, drive: &drive };
+        let variance_freedom = left.degrees_of_freedom(&left.sized(times_of(noise, &channels)));
         let conclusion = Conclusion {
             point,
             message: self.message,
             residuals,
             jacobian,
             jacobian_agreement: agreement(&wide, &other),
+            unwhitened,
+            variance_freedom,
             ends: self.ends,
             rms_at_start: self.rms_at_start,
             noise: self.objective.noise,
         };
         let simulator = self.objective.simulator;
         let mut result = FitResult::new(simulator, &conclusion, &drive_noise);
-        result.doubts = doubts(simulator, &result, &drive_noise)?;
+        result.doubts = doubts(simulator, &result, &conclusion.jacobian, &drive_noise)?;
         result.meanings = meanings(simulator, &result)?;
         Ok(result)
     }
+}
+
+/// Correlation time of every column, s.
+fn times_of(noise: &NoiseModel, channels: &[NoisyRows]) -> Vec<f64> {
+    let columns = channels.iter().map(|one| one.column + 1).max().unwrap_or(0);
+    let of = |column: usize| {
+        let own = channels.iter().position(|one| one.column == column);
+        own.map_or(0.0, |k| noise.correlation_time_s[k])
+    };
+    (0..columns).map(of).collect()
 }
 
 /// Returns the plan's start in the solver's coordinates, within the bounds.

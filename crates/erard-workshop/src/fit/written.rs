@@ -36,7 +36,9 @@ impl FitResult {
             let unlike =
                 |error: VaryError| WriteError::Unlike(format!("{} cannot be varied by {x}: {error}", one.name));
             one.parameter.vary(&mut fitted, *x).map_err(unlike)?;
-            let note = if one.parameter.is_factor() {
+            let note = if std.is_nan() {
+                "fitted: the recordings are too short for an error".to_owned()
+            } else if one.parameter.is_factor() {
                 format!("fitted: {x:.5} +- {std:.2} times the number before")
             } else {
                 format!("fitted: turned by {x:.4e} +- {std:.1e} {}", one.unit())

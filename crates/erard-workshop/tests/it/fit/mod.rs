@@ -6,6 +6,7 @@ mod recordings;
 
 mod best;
 mod columns;
+mod correlated;
 mod coverage;
 mod doubts;
 
