@@ -196,6 +196,14 @@ def test_types_are_those_of_the_stubs(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_types_refuse_a_text_as_a_force(tmp_path: Path) -> None:
+    pytest.importorskip("mypy")
+    file = tmp_path / "typed.py"
+    file.write_text("import erard\nimport numpy as np\n\ngrand = erard.load('concert-grand')\ngrand.press(force='5 N')\ngrand.press(force=np.ones(3), dt=1e-3)\n")
+    checked = subprocess.run([sys.executable, "-m", "mypy", "--cache-dir", str(tmp_path), str(file)], capture_output=True, text=True, check=False)
+    assert checked.returncode == 1 and checked.stdout.count("[arg-type]") == 1 and "typed.py:5" in checked.stdout, checked.stdout
+
+
 def test_a_truth_value_is_no_number() -> None:
     """`force=True` is a mistake, not 1 N; the same of counts, arrays and of numpy's own bool."""
     grand = erard.load("concert-grand")
