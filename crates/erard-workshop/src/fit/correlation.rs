@@ -37,8 +37,8 @@ pub(super) struct NoisyRows {
     pub column: usize,
     /// Sampling interval, s.
     pub dt_s: f64,
-    /// Whether the size of the noise is estimated, too. The correlation time is that of the best size in any case: where
-    /// the given noise is larger than what there is, small residuals are no sign of correlation.
+    /// Whether the size of the noise is estimated, too. The correlation time is that of the best size in any case:
+    /// where the given noise is larger than what there is, small residuals are no sign of correlation.
     pub is_free: bool,
 }
 

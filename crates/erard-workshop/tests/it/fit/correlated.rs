@@ -206,10 +206,10 @@ fn correlation_is_found_where_it_is() {
     }
 }
 
-/// What 62 ms of white noise do to a fit is linear: the fit is one step of Gauss and Newton from the truth, to a tenth of a
-/// standard deviation, and without noise it is the truth. So drive, start, curvature and the window's end bias nothing, and
-/// pulls of a few recordings that are 1.3 or 1.4 rms are chance: the four parameters depend on each other, as 2.7
-/// independent ones would, so that over ten recordings the rms of their pulls scatters by 0.14.
+/// What 62 ms of white noise do to a fit is linear: the fit is one step of Gauss and Newton from the truth, to a tenth
+/// of a standard deviation, and without noise it is the truth. So drive, start, curvature and the window's end bias
+/// nothing, and pulls of a few recordings that are 1.3 or 1.4 rms are chance: the four parameters depend on each other,
+/// as 2.7 independent ones would, so that over ten recordings the rms of their pulls scatters by 0.14.
 #[test]
 fn fits_of_62_ms_are_linear_and_unbiased() {
     let (clean, names) = (clean(62e-3), names());
@@ -249,13 +249,11 @@ fn too_short_a_recording_has_no_errors() {
     check(Cell { time_s: 12e-3, length_s: 62e-3, is_given: true }, 0..2, 0.0);
 }
 
-/// 100 recordings of four cells.
+/// 100 recordings of two cells.
 #[test]
-#[ignore = "ci: 400 fits of four parameters"]
+#[ignore = "ci: 200 fits of four parameters"]
 fn intervals_hold_under_correlated_noise() {
-    for (time_s, length_s, is_given) in
-        [(0.0, 62e-3, true), (2.4e-3, 0.12, true), (2.4e-3, 0.12, false), (0.4e-3, 62e-3, true)]
-    {
+    for (time_s, length_s, is_given) in [(2.4e-3, 0.12, false), (0.4e-3, 62e-3, true)] {
         check(Cell { time_s, length_s, is_given }, 0..100, 3.0);
     }
 }
