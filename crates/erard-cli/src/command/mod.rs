@@ -2,6 +2,7 @@
 
 mod bands;
 mod calibrate;
+mod cases;
 mod check;
 mod check_recording;
 mod checked;

@@ -1,6 +1,7 @@
 //! `erard validate`.
 
 use super::bands::{self, BandOptions, BandRow, Banded};
+use super::cases;
 use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -29,6 +30,16 @@ pub(crate) struct Validate {
     /// Instrument: a TOML file, or a built-in name
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: InstrumentSpec,
+    /// Diagnose published pianos instead, and compare the answers with what technicians concluded or found
+    #[arg(
+        long,
+        value_name = "WHICH",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "all",
+        conflicts_with_all = ["instrument", "bands"]
+    )]
+    cases: Option<cases::Which>,
     /// Exit with code 1 if a row is missed
     #[arg(long)]
     fail_on_miss: bool,
@@ -41,6 +52,9 @@ pub(crate) struct Validate {
 impl Validate {
     /// Runs the command.
     pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
+        if let Some(which) = self.cases {
+            return cases::run(session, &self.out, which, self.fail_on_miss);
+        }
         self.bands.check(&self.instrument)?;
         let (instrument, text) = load_instrument_and_text(session, &self.instrument)?;
         let keyboard = match KeyboardKey::asked(session, &self.instrument)? {

@@ -145,6 +145,7 @@ const CALLS: &[(&str, &[&[&str]])] = &[
     ),
     ("regulate", &[&["regulate", "mine.toml", "--let-off", "2mm", "--out-file", "regulated.toml", "--force"]]),
     ("validate", &[&["validate"], &["validate", "--instrument", "heavy-touch"]]),
+    ("validate-cases", &[&["validate", "--cases=choose"]]),
     ("validate-bands", &[&["validate", "--bands=2"]]),
     (
         "check",

@@ -72,3 +72,23 @@ fn what_is_no_action_is_refused() {
     let told = folder.bad(&["--instrument", "clock.toml"]);
     assert!(told.contains("clock.toml") && told.contains("names no `key`"), "{told}");
 }
+
+/// Published pianos: every key has a row with its verdict, the worst first; a choice of cases is one; what does not go
+/// together is refused.
+#[test]
+fn published_pianos() {
+    let folder = Folder::for_command("validate", "cases");
+    let told = folder.good(&["--cases=choose", "--out", "out"]);
+    let report: Value = serde_json::from_str(&folder.read("out/cases.json")).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    assert_eq!(report["keys"].as_u64(), Some(rows.len() as u64));
+    let rank = |row: &Value| ["harmful", "missed", "met"].iter().position(|word| row["verdict"] == *word).unwrap();
+    assert!(rows.is_sorted_by_key(rank) && rows.iter().all(|row| row["use"] == "choose"), "{report}");
+    for (word, count) in ["harmful", "missed", "met"].iter().map(|word| (word, report[*word].as_u64().unwrap())) {
+        assert_eq!(rows.iter().filter(|row| row["verdict"] == **word).count() as u64, count, "{word}");
+    }
+    assert!(told.contains("published pianos") && told.lines().all(|line| line.chars().count() <= 100), "{told}");
+    assert_eq!(csv::Reader::from_reader(folder.read("out/cases.csv").as_bytes()).records().count(), rows.len());
+    assert!(folder.bad(&["--cases=some"]).contains("choose"));
+    assert!(folder.bad(&["--cases", "--instrument", "heavy-touch"]).contains("cannot be used with"));
+}

@@ -3,8 +3,10 @@
 //! `published` is the table: one row per published number, with its source, its certainty and the range that counts as
 //! met. `presses` and `touches` simulate what the technician's sheet ([`crate::measure`]) lacks: the order of events
 //! against loudness, under constant forces and under a hand, and pressed against struck keys. [`validate`] compares
-//! both, and reports misses as misses.
+//! both, and reports misses as misses. `cases` diagnoses published pianos and compares the answers with what was
+//! concluded or found.
 
+mod cases;
 mod grands;
 mod keys;
 mod presses;
@@ -15,6 +17,7 @@ mod strings;
 mod touches;
 mod values;
 
+pub use cases::{Basis, Case, CaseKey, CaseResult, CaseUse, CaseVerdict, Cases, NOTHING, Reading};
 pub use grands::{BesideGrands, Timing, fastest_s, grands, published_ms};
 pub use presses::{Drive, Loudness, SimulatedPress, measure as loudness};
 pub use published::{Published, PublishedError, PublishedKind, PublishedRow};
