@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::Work;
-use super::words::{assumed_key, explains, geometry, key, mark, percent, rows, usual, value, would_read};
+use super::words::{assumed_key, explains, geometry, key, mark, percent, rows, usual, value, weigh_again, would_read};
 use crate::paper::page;
 use crate::table::Table;
 use erard_workshop::diagnose::{BASIS, Diagnosis, Standing};
@@ -76,13 +76,35 @@ fn of_key(one: &Diagnosis, work: &Work<'_>) -> Markup {
                                     @if !explained.is_empty() { div.soft { "explains " (explained) } }
                                 }
                                 td { (ranked.cause.test) }
-                                td { (ranked.cause.cure) }
+                                td {
+                                    (ranked.cause.cure)
+                                    @if let Some(after) = one.weigh_first(ranked) { ". First weigh again " (after) }
+                                }
                                 td.tick { "☐" }
                             }
                         }
                     }
                 }
             }
+            @for ranked in &one.withheld {
+                p { "Not yet for " (ranked.cause.name) ": " (ranked.withheld.as_deref().unwrap_or_default()) "." }
+            }
+            @if let Some(question) = one.open_question() {
+                @if !one.causes.is_empty() { p { (question) "." } }
+                table.list {
+                    thead { tr { th { "cause" } th { "quick test" } th.tick { "done" } } }
+                    tbody { @for ranked in &one.undecided {
+                        tr { td { (ranked.cause.name) } td { (ranked.cause.test) } td.tick { "☐" } }
+                    } }
+                }
+            }
+            @if !one.looks.is_empty() {
+                h2 { "Ten seconds each" }
+                table.list { tbody { @for look in &one.looks {
+                    tr { td { span.do { (look.name) } } td { (look.test) } td { (look.cure) } td.tick { "☐" } }
+                } } }
+            }
+            @if one.weigh_again { p { (weigh_again()) } }
             @if one.something_else > 0.05 {
                 p.soft { "Something that is not in this list: " (percent(one.something_else)) "." }
             }

@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 
 use erard::keyboard::note_name;
-use erard_workshop::diagnose::{BASIS, Band, Diagnosis, Judged, Ranked, Standing, Suggestion, explained_as, joined};
+use erard_workshop::diagnose::{
+    BASIS, Band, Diagnosis, Judged, Ranked, Standing, Suggestion, WEIGH_AGAIN_G, explained_as, joined,
+};
 use erard_workshop::digits::{plain, signed};
 
 use super::Work;
@@ -135,18 +137,57 @@ fn of_one(one: &Diagnosis, lengths: Lengths) -> String {
         line(&mut out, 2, &format!("Not judged: {why}."));
     }
     let _ = writeln!(out);
-    line(&mut out, 2, &format!("{}{}", one.verdict(), if one.is_work() { ":" } else { "" }));
+    let has_list = !one.causes.is_empty();
+    line(
+        &mut out,
+        2,
+        &format!(
+            "{}{}",
+            one.verdict(),
+            if has_list {
+                ":"
+            } else if one.is_work() {
+                "."
+            } else {
+                ""
+            }
+        ),
+    );
     for (rank, ranked) in one.causes.iter().enumerate() {
         line(&mut out, 2, &format!("{}. {}, {}", rank + 1, ranked.cause.name, percent(ranked.probability)));
+        let again = one.weigh_first(ranked).map_or(String::new(), |after| format!("weigh again {after}"));
         for (what, text) in [
             ("explains", explains(ranked, lengths)),
             ("test", ranked.cause.test.clone()),
             ("then", ranked.cause.cure.clone()),
+            ("first", again),
         ] {
             if !text.is_empty() {
                 line(&mut out, 5, &format!("{what}: {text}"));
             }
         }
+    }
+    for ranked in &one.withheld {
+        let why = ranked.withheld.as_deref().unwrap_or_default();
+        line(&mut out, 2, &format!("Not yet for {}: {why}.", ranked.cause.name));
+    }
+    if !one.undecided.is_empty() {
+        if has_list {
+            line(&mut out, 2, &format!("{}.", one.open_question().unwrap_or_default()));
+        }
+        for ranked in &one.undecided {
+            line(&mut out, 5, &format!("{}: {}", ranked.cause.name, ranked.cause.test));
+        }
+    }
+    if !one.looks.is_empty() {
+        line(&mut out, 2, "Ten seconds each:");
+        for look in &one.looks {
+            let then = if one.is_look { format!("; then {}", look.cure) } else { String::new() };
+            line(&mut out, 5, &format!("{}: {}{then}", look.name, look.test));
+        }
+    }
+    if one.weigh_again {
+        line(&mut out, 2, &weigh_again());
     }
     if one.something_else > 0.05 {
         line(&mut out, 2, &format!("Something that is not in this list: {}.", percent(one.something_else)));
@@ -168,6 +209,21 @@ fn of_one(one: &Diagnosis, lengths: Lengths) -> String {
     out
 }
 
+/// What friction does to the weights.
+pub(super) fn weigh_again() -> String {
+    format!("Friction is over {WEIGH_AGAIN_G:.0} g: ease it and weigh again before leverage, hammers and leads.")
+}
+
+/// What is named first of a key, with its probability.
+fn first(one: &Diagnosis) -> (String, String) {
+    match (one.looks.first().filter(|_| one.is_look), one.causes.first()) {
+        (Some(look), _) => (look.name.clone(), String::new()),
+        (None, Some(ranked)) => (ranked.cause.name.clone(), percent(ranked.probability)),
+        (None, None) if one.is_work() => ("undecided".to_owned(), String::new()),
+        (None, None) => ("no work".to_owned(), String::new()),
+    }
+}
+
 /// What is out, in a word each.
 fn out_of_range(one: &Diagnosis, lengths: Lengths) -> String {
     let out = one.lines.iter().filter(|line| line.standing == Standing::Out);
@@ -180,13 +236,13 @@ fn out_of_range(one: &Diagnosis, lengths: Lengths) -> String {
 
 pub(super) fn rows(work: &Work<'_>) -> Vec<[String; 6]> {
     let row = |one: &Diagnosis| {
-        let first = one.causes.first();
+        let (cause, probability) = first(one);
         [
             one.key.to_string(),
             note_name(one.key),
             out_of_range(one, work.lengths),
-            first.map_or("no work".to_owned(), |ranked| ranked.cause.name.clone()),
-            first.map_or(String::new(), |ranked| percent(ranked.probability)),
+            cause,
+            probability,
             one.next.as_ref().map_or(String::new(), |next| next.label.to_owned()),
         ]
     };
@@ -201,7 +257,8 @@ fn of_many(found: &[Diagnosis], work: &Work<'_>) -> String {
             continue;
         }
         line(&mut out, 2, &format!("{note} (key {key}): {out_of}"));
-        line(&mut out, 5, &format!("{cause}, {percent}"));
+        let comma = if percent.is_empty() { "" } else { ", " };
+        line(&mut out, 5, &format!("{cause}{comma}{percent}"));
         if !next.is_empty() {
             line(&mut out, 5, &format!("measure next: {next}"));
         }

@@ -72,7 +72,7 @@ pub(crate) fn weighed_picture(work: &Work<'_>) -> Picture {
             "friction weight",
             "g",
             130.0,
-            vec![points("weighed", 3, &|key| key.friction_weight_g), usual("usual, from", 0), usual("usual, to", 1)],
+            vec![points("weighed", 3, &|key| key.friction_weight_g), usual("usual, to", 1)],
         ),
         Panel::new("ratio", "", 110.0, vec![points("weighed", 2, &|key| key.ratio), curve("smooth", 6, &curves.ratio)]),
         Panel::new("inertia", "kg", 110.0, inertia),

@@ -25,7 +25,6 @@ pub(super) fn readings(work: &Work<'_>) -> Table<'static> {
             (_, true) => " ?",
             _ => "",
         };
-        let [low, high] = KeyboardList::usual_friction_g(weighed.key);
         vec![
             format!("{}{}", weighed.key, if key.from_curves { " ~" } else { "" }),
             key.note.clone(),
@@ -33,7 +32,7 @@ pub(super) fn readings(work: &Work<'_>) -> Table<'static> {
             decimal(weighed.up_weight_g, 1),
             marked(key.balance_weight_g, 1, "balance_weight_g", ""),
             marked(key.friction_weight_g, 1, "friction_weight_g", friction),
-            format!("{low:.1}-{high:.1}"),
+            friction_range(weighed.key),
             marked(key.ratio, 2, "ratio", ""),
             marked(key.strike_weight_g, 1, "strike_weight_g", ""),
             decimal(weighed.front_weight_g, 1),
@@ -113,11 +112,9 @@ fn cells(line: &KeyLine, work: &Work<'_>) -> Vec<String> {
     let (down, up) = (line.after.down_g, line.after.up_g);
     match &line.work {
         Works::Friction { by_g } => {
-            let [low, high] = KeyboardList::usual_friction_g(line.key);
             let now = decimal(key.friction_weight_g, 1);
-            let what =
-                if *by_g < 0.0 { format!("ease {:.0} g", -by_g) } else { format!("{by_g:.0} g more: loose pins?") };
-            cells.extend([what, format!("{now} g, usual {low:.1}-{high:.1}"), after(&[down, up])]);
+            let what = format!("ease {:.0} g", -by_g);
+            cells.extend([what, format!("{now} g, usual {}", friction_range(line.key)), after(&[down, up])]);
         }
         Works::Hammer { by_g } => {
             let [now, then] = [key.measured.strike_weight_g, line.after.strike_g].map(|g| decimal(g, 1));
@@ -136,6 +133,11 @@ fn cells(line: &KeyLine, work: &Work<'_>) -> Vec<String> {
         }
     }
     cells
+}
+
+/// The friction weights that are no fault, in words.
+fn friction_range(key: usize) -> String {
+    format!("to {:.1}", KeyboardList::usual_friction_g(key)[1])
 }
 
 /// Leads, and what they do to the inertia at the key's front.
@@ -190,12 +192,12 @@ pub(super) fn remarks(work: &Work<'_>) -> Vec<String> {
 }
 
 fn aim_words(list: &KeyboardList) -> &'static str {
-    use erard_workshop::worklist::AimFrom::{Asked, Median, MostRoom, NearMedian};
+    use erard_workshop::worklist::AimFrom::{Asked, Median, NearMedian, Trade};
     match list.aim_from {
         Asked => "asked for",
         Median => "the median of these keys",
         NearMedian => "the nearest to the median of these keys with which D and U can all be usual",
-        MostRoom => "the one that leaves D and U most room in their usual ranges; too few keys for a median",
+        Trade => "the trade's; too few keys for a median",
     }
 }
 

@@ -137,7 +137,7 @@ pub(crate) fn report(work: &Work<'_>) -> Value {
         AimFrom::Asked => "asked",
         AimFrom::Median => "median",
         AimFrom::NearMedian => "near_median",
-        AimFrom::MostRoom => "most_room",
+        AimFrom::Trade => "trade",
     };
     json!({
         "keyboard": work.name,

@@ -40,10 +40,19 @@ fn a_few_readings() {
     assert!(!said.contains("No key was named"), "{said}");
     let found = read(&folder, "erard-out-diagnose/diagnosis.json");
     let key = &found["keys"][0];
-    // The page begins with what to do: measure, friction, the rest, everything again.
+    // The page begins with what to do: looks, what is named, what is open with the reading that decides, and everything
+    // again.
     let to_do: Vec<&str> = key["to_do"].as_array().unwrap().iter().filter_map(|line| line.as_str()).collect();
-    let begins = ["Measure ", "Friction before all else", "Then the tests of", "Take all readings again"];
-    assert!(to_do.len() == 4 && to_do.iter().zip(begins).all(|(line, word)| line.starts_with(word)), "{to_do:?}");
+    let begins = [
+        "Look for a damp room",
+        "Test for let-off button too low",
+        "These readings decide nothing among",
+        "Measure ",
+        "Ease friction and weigh again",
+        "Take all readings again",
+    ];
+    assert!(to_do.len() == 6 && to_do.iter().zip(begins).all(|(line, word)| line.starts_with(word)), "{to_do:?}");
+    assert!(said.contains("Friction is over 16 g: ease it and weigh again") && key["weigh_again"] == true, "{said}");
     assert_eq!(
         (key["key"].as_u64(), key["is_work"].as_bool(), key["inertia_kg"].is_null()),
         (Some(40), Some(true), true)

@@ -3,10 +3,16 @@
 use erard::keyboard::note_name;
 use serde_json::{Value, json};
 
-use super::cause::Cause;
+use super::cause::{Cause, Look};
 use super::entry::{Entry, Impossible, entries, readings};
 use super::geometry::Band;
-use super::report::{Diagnosis, Judged, Ranked, Standing, Suggestion};
+use super::report::{Diagnosis, Judged, Ranked, Standing, Suggestion, WEIGH_AGAIN_G};
+
+/// Number of looks on a page.
+const LOOKS: usize = 2;
+/// Places of friction and of leverage in the order of work.
+const FRICTION_ORDER: u32 = 1;
+const LEVERAGE_ORDER: u32 = 11;
 
 /// Basis of every answer, a sentence.
 pub const BASIS: &str = "What a cause does to each reading is simulated on grands around the built-in concert-grand, not on your piano; how \
@@ -38,18 +44,49 @@ impl Diagnosis {
     /// Returns the verdict in a sentence.
     #[must_use]
     pub fn verdict(&self) -> String {
-        if self.is_work() {
-            return "Causes, the likeliest first; several may be there at once".to_owned();
+        if !self.is_work() {
+            let doubtful = self.lines.iter().any(|line| line.standing == Standing::Doubtful);
+            let again = if doubtful { " Take those marked ? again." } else { "" };
+            return format!(
+                "No reading is out of its usual range by more than it may be off: no work.{again} What was not measured was not judged."
+            );
         }
-        let doubtful = self.lines.iter().any(|line| line.standing == Standing::Doubtful);
-        let again = if doubtful { " Take those marked ? again." } else { "" };
-        format!(
-            "No reading is out of its usual range by more than it may be off: no work.{again} What was not measured was not judged."
-        )
+        match (self.looks.first().filter(|_| self.is_look), &self.causes[..]) {
+            (Some(look), []) => format!("A sign of its own: {}", look.name),
+            (_, []) => {
+                self.open_question().unwrap_or_else(|| "These readings point to no cause of the list".to_owned())
+            }
+            (_, [_]) => "The cause that is more likely than not".to_owned(),
+            (_, [..]) => "The causes that are more likely than not, in the order of work".to_owned(),
+        }
     }
 
-    /// Returns the work in order: doubtful readings, the most informative measurement, friction, the other causes, and
-    /// all readings again.
+    /// Returns the sentence on causes that the readings do not separate; `None` if there are none.
+    #[must_use]
+    pub fn open_question(&self) -> Option<String> {
+        let names: Vec<&str> = self.undecided.iter().map(|ranked| ranked.cause.name.as_str()).collect();
+        let (last, others) = names.split_last()?;
+        Some(match others {
+            [] => format!("These readings do not decide whether it is: {last}"),
+            others => format!("These readings decide nothing among: {}; {last}", others.join("; ")),
+        })
+    }
+
+    /// What comes before the weights that a cause changes are weighed again, in words: easing above [`WEIGH_AGAIN_G`] of
+    /// friction, or the regulation that is named; `None` for friction and regulation themselves.
+    #[must_use]
+    pub fn weigh_first(&self, ranked: &Ranked) -> Option<&'static str> {
+        let is_regulation = |one: &Ranked| one.cause.order > FRICTION_ORDER && one.cause.order < LEVERAGE_ORDER;
+        let is_late = ranked.cause.order >= LEVERAGE_ORDER;
+        match (self.weigh_again, self.causes.iter().any(is_regulation)) {
+            (true, _) if is_late => Some("after easing"),
+            (false, true) if is_late => Some("after regulating"),
+            _ => None,
+        }
+    }
+
+    /// Returns the work in order: doubtful readings, looks of ten seconds, the named causes in the trade's order, the
+    /// reading that decides among others, and all readings again.
     #[must_use]
     pub fn to_do(&self) -> Vec<String> {
         if !self.is_work() {
@@ -61,21 +98,27 @@ impl Diagnosis {
         if !doubtful.is_empty() {
             lines.push(format!("Take again what may be read wrong: {}.", doubtful.join(", ")));
         }
-        if let Some(next) = &self.next {
-            lines.push(format!("Measure {} ({}) and enter it: the causes below then change.", next.label, next.how));
+        lines.extend(self.looks.iter().take(LOOKS).map(|look| {
+            let then = if self.is_look { format!(" Then {}.", look.cure) } else { String::new() };
+            format!("Look for {}: {}.{then}", look.name, look.test)
+        }));
+        for ranked in &self.causes {
+            let again = self.weigh_first(ranked).map_or(String::new(), |after| format!(" Weigh again {after} first."));
+            lines.push(format!(
+                "Test for {}: {}. If it is so, {}.{again}",
+                ranked.cause.name, ranked.cause.test, ranked.cause.cure
+            ));
         }
-        let rubs =
-            |ranked: &&Ranked| ranked.explains.iter().any(|(name, by)| *name == "friction_weight_g" && *by > 0.0);
-        let numbers = |rubbing: bool| {
-            let ranked = self.causes.iter().enumerate().filter(|(_, ranked)| rubs(ranked) == rubbing);
-            ranked.map(|(at, _)| (at + 1).to_string()).collect::<Vec<_>>().join(", ")
-        };
-        let (friction, others) = (numbers(true), numbers(false));
-        if !friction.is_empty() {
-            lines.push(format!("Friction before all else, for it is in every weight: the tests of {friction}. Mend what a test finds, and weigh again."));
+        for ranked in &self.withheld {
+            let why = ranked.withheld.as_deref().unwrap_or_default();
+            lines.push(format!("Not yet for {}: {why}.", ranked.cause.name));
         }
-        if !others.is_empty() {
-            lines.push(format!("Then the tests of {others}, the likeliest first. Mend only what a test finds."));
+        lines.extend(self.open_question().map(|question| format!("{question}.")));
+        lines.extend(self.next.as_ref().map(|next| format!("Measure {} ({}) and enter it.", next.label, next.how)));
+        if self.weigh_again {
+            lines.push(format!(
+                "Ease friction and weigh again before leverage, hammers and leads: it is over {WEIGH_AGAIN_G:.0} g."
+            ));
         }
         lines.push("Take all readings again: what is still out has another cause.".to_owned());
         lines
@@ -112,6 +155,11 @@ fn of_key(one: &Diagnosis) -> Value {
         "is_work": one.is_work(),
         "verdict": one.verdict(),
         "causes": one.causes.iter().map(of_cause).collect::<Vec<_>>(),
+        "undecided": one.undecided.iter().map(of_cause).collect::<Vec<_>>(),
+        "withheld": one.withheld.iter().map(of_cause).collect::<Vec<_>>(),
+        "looks": one.looks.iter().map(of_look).collect::<Vec<_>>(),
+        "open_question": one.open_question(),
+        "weigh_again": one.weigh_again,
         "something_else": rounded(one.something_else),
         "to_do": one.to_do(),
         "measure_next": one.next.as_ref().map(of_next),
@@ -144,6 +192,10 @@ fn of_line(line: &Judged) -> Value {
     })
 }
 
+fn of_look(look: &&Look) -> Value {
+    json!({"cause": look.key, "name": look.name, "test": look.test, "cure": look.cure})
+}
+
 fn of_cause(ranked: &Ranked) -> Value {
     let explains = ranked.explains.iter().map(|(name, by)| {
         let (label, unit, decimals) = explained_as(name);
@@ -158,6 +210,7 @@ fn of_cause(ranked: &Ranked) -> Value {
         "test": ranked.cause.test,
         "cure": ranked.cause.cure,
         "odds_assumed": ranked.cause.common,
+        "withheld_because": ranked.withheld,
     })
 }
 

@@ -2,12 +2,16 @@
 //!
 //! Under a set of causes the readings are normal: the mean of sound keys plus the effects of the causes, with the
 //! covariance of sound keys, the scatter of effects from grand to grand, and the reading's own error. A cause has
-//! grades between its light and its heavy case, all equally likely. Sets of up to four causes are compared; their prior
-//! is the product of the causes' odds. One more hypothesis represents other faults, with readings anywhere.
+//! grades between its light and its heavy case, all equally likely, and beyond it up to the largest size that is met,
+//! half as likely. Sets of up to four causes are compared; their prior is the product of the causes' odds. A reading
+//! that was taken proves that its event took place: a cause that prevents the event seldom is there. One more
+//! hypothesis represents other faults, with readings anywhere.
 
 use super::cause::causes;
-use super::effect::{BALANCE, CHECK, Effect, FRICTION, Features, N, NOT_CAUGHT_MM, effects, precision};
+use super::cause::{Beyond, Cause, Change};
+use super::effect::{BALANCE, CHECK, Effect, FEATURES, FRICTION, Features, N, NOT_CAUGHT_MM, effects, precision};
 use super::healthy::Healthy;
+use super::inject::injected_amount;
 use super::normal::{log_density, log_sum};
 use crate::dense::Cholesky;
 
@@ -55,6 +59,10 @@ impl Row {
 struct Atom {
     cause: usize,
     case: f64,
+    /// Logarithm of its prior odds.
+    prior: f64,
+    /// Features whose events it prevents.
+    prevents: [bool; N],
     mean: [f64; N],
     /// Half the distance to the next grades, as a standard deviation.
     along: [f64; N],
@@ -85,51 +93,129 @@ pub(super) struct Belief {
 const ANOTHER_MAKE: f64 = 0.25;
 /// Check distance of sound hammers, mm: the middle of 12 to 15.
 const MIDDLE_OF_CHECK_MM: f64 = 13.5;
-/// Standard deviation of a feature that no longer occurs, in precisions: it can read anything.
-const NOT_THERE: f64 = 10.0;
+/// Standard deviation of a reading whose event a cause prevents on most grands, in precisions: an estimate.
+const NOT_THERE: f64 = 3.0;
+/// Probability that the event of a reading takes place although a cause prevents it on most grands: an estimate.
+const TOOK_PLACE: f64 = 0.05;
+/// Probability of a grade beyond the heavy case, relative to one up to it: an estimate.
+const BEYOND: f64 = 0.5;
+/// Standard deviation of a loose reading, mm: an estimate.
+const LOOSE_MM: f64 = 2.0;
+/// Uncertainty of the balance weight, g per gram of friction: Kawai KG-2 (CAUT list, March 2004), 45 g at a friction
+/// weight of 25 g, 39 g at 9 g; in the model a tight flange adds 0.14 g.
+pub(super) const BALANCE_PER_FRICTION: f64 = 0.3;
+
+fn feature(name: &str) -> usize {
+    FEATURES.iter().position(|own| *own == name).unwrap_or_default()
+}
 
 fn atoms() -> Vec<Atom> {
-    let mut all = Vec::new();
-    for (cause, cases) in effects().iter().enumerate() {
-        let between = |case: f64| {
-            let low = ((case - 1.0).floor() as usize).min(1);
-            let share = case - 1.0 - low as f64;
-            let [a, b]: [&Effect; 2] = [&cases[low], &cases[low + 1]];
-            let mix = |a: f64, b: f64| a + share * (b - a);
-            let value = |i: usize| match (a.mean[i], b.mean[i]) {
-                (Some(a), Some(b)) => Some(mix(a, b)),
-                (a, b) => {
-                    if share < 0.5 {
-                        a
-                    } else {
-                        b
-                    }
-                }
-            };
-            (std::array::from_fn::<_, N, _>(value), std::array::from_fn::<_, N, _>(|i| mix(a.spread[i], b.spread[i])))
-        };
-        for grade in 0..GRADES {
-            let step = 2.0 / (GRADES - 1) as f64;
-            let case = 1.0 + step * grade as f64;
-            let (mean, spread) = between(case);
-            let [before, after] = [case - 0.5 * step, case + 0.5 * step].map(|case| between(case.clamp(1.0, 3.0)).0);
-            all.push(Atom {
-                cause,
-                case,
-                // A hammer that is no longer caught would have been caught low.
-                mean: std::array::from_fn(|i| {
-                    mean[i].unwrap_or(if i == CHECK { NOT_CAUGHT_MM[0] - MIDDLE_OF_CHECK_MM } else { 0.0 })
-                }),
-                along: std::array::from_fn(|i| {
-                    before[i].zip(after[i]).map_or(0.0, |(before, after)| (after - before) / libm::sqrt(12.0))
-                }),
-                spread: std::array::from_fn(|i| {
-                    mean[i].map_or(NOT_THERE * precision(i), |mean| spread[i].hypot(ANOTHER_MAKE * mean))
-                }),
-            });
-        }
+    causes().iter().zip(effects()).enumerate().flat_map(|(at, (cause, cases))| atoms_of(at, cause, cases)).collect()
+}
+
+/// Spread of the effects of a grade: from grand to grand, and on a piano of another make.
+fn spread_of(cause: &Cause, mean: &[f64; N], spread: &[f64; N]) -> [f64; N] {
+    let mut all: [f64; N] = std::array::from_fn(|i| spread[i].hypot(ANOTHER_MAKE * mean[i]));
+    if cause.order == 1 {
+        all[BALANCE] = all[BALANCE].hypot(BALANCE_PER_FRICTION * mean[FRICTION]);
     }
     all
+}
+
+/// Amount of a cause in a case, as a multiple of the light one; of a friction, which is a factor, what it adds.
+fn share_of_light(cause: &Cause, case: f64) -> f64 {
+    let own = if matches!(cause.change, Change::Friction(_)) { 1.0 } else { 0.0 };
+    (injected_amount(cause, case) - own) / (cause.amounts[0] - own)
+}
+
+/// Grades of a cause: between the cases of the table, then beyond them.
+fn atoms_of(at: usize, cause: &Cause, cases: &[Effect; 3]) -> Vec<Atom> {
+    let between = |case: f64| {
+        let low = ((case - 1.0).floor() as usize).min(1);
+        let share = case - 1.0 - low as f64;
+        let [a, b]: [&Effect; 2] = [&cases[low], &cases[low + 1]];
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        let value = |i: usize| match (a.mean[i], b.mean[i]) {
+            (Some(a), Some(b)) => Some(mix(a, b)),
+            (a, b) => {
+                if share < 0.5 {
+                    a
+                } else {
+                    b
+                }
+            }
+        };
+        (std::array::from_fn::<_, N, _>(value), std::array::from_fn::<_, N, _>(|i| mix(a.spread[i], b.spread[i])))
+    };
+    let mut all = Vec::new();
+    for grade in 0..GRADES {
+        let step = 2.0 / (GRADES - 1) as f64;
+        let case = 1.0 + step * grade as f64;
+        let (mean, spread) = between(case);
+        let [before, after] = [case - 0.5 * step, case + 0.5 * step].map(|case| between(case.clamp(1.0, 3.0)).0);
+        let prevents = mean.map(|mean| mean.is_none());
+        // A hammer that is no longer caught would have been caught low. An event that takes place all the same is
+        // shifted in proportion to the light case.
+        let known: [f64; N] = std::array::from_fn(|i| {
+            let shifted = cases[0].mean[i].unwrap_or(0.0) * share_of_light(cause, case);
+            mean[i].unwrap_or(if i == CHECK { NOT_CAUGHT_MM[0] - MIDDLE_OF_CHECK_MM } else { shifted })
+        });
+        let mut spread = spread_of(cause, &known, &spread);
+        (0..N).filter(|i| prevents[*i]).for_each(|i| spread[i] = spread[i].hypot(NOT_THERE * precision(i)));
+        let along = std::array::from_fn(|i| {
+            before[i].zip(after[i]).map_or(0.0, |(before, after)| (after - before) / libm::sqrt(12.0))
+        });
+        all.push(Atom { cause: at, case, prior: 0.0, prevents, mean: known, along, spread });
+    }
+    if let Some(beyond) = &cause.beyond {
+        let heavy = all[GRADES - 1].clone();
+        all.extend(atoms_beyond(cause, beyond, cases, &heavy));
+    }
+    let weight = |case: f64| if case <= 3.0 { 1.0 } else { BEYOND };
+    let total: f64 = all.iter().map(|atom| weight(atom.case)).sum();
+    for atom in &mut all {
+        atom.prior = libm::log(cause.common * weight(atom.case) / total);
+    }
+    all
+}
+
+/// Grades beyond the heavy case, in steps of its distance from the plain one: the line goes on to the largest change
+/// that is met, the others in proportion to the light case.
+fn atoms_beyond(cause: &Cause, beyond: &Beyond, cases: &[Effect; 3], heavy: &Atom) -> Vec<Atom> {
+    let line = feature(&beyond.line);
+    let of = |case: usize| cases[case].mean[line].unwrap_or(0.0);
+    let (light, plain, from) = (of(0), of(1), heavy.mean[line]);
+    let way = beyond.to - from;
+    let step = (from - plain).abs().max(0.25 * way.abs()).max(precision(line));
+    let steps = (way.abs() / step).ceil().max(1.0);
+    let slope: [f64; N] = std::array::from_fn(|i| match (i == line, cases[0].mean[i], cases[1].mean[i]) {
+        (true, ..) => 1.0,
+        // What has reached its end already stays there.
+        (_, _, Some(plain)) if (heavy.mean[i] - plain).abs() < 0.05 * plain.abs() => 0.0,
+        (_, Some(own), _) => own / light,
+        _ => 0.0,
+    });
+    let loose = beyond.loose.as_deref().map(feature);
+    (1..=steps as u32)
+        .map(|n| {
+            let more = way * f64::from(n) / steps;
+            let mut mean: [f64; N] = std::array::from_fn(|i| heavy.mean[i] + slope[i] * more);
+            let mut prevents = heavy.prevents;
+            if let Some(loose) = loose {
+                (mean[loose], prevents[loose]) = (0.0, false);
+            }
+            let own = cases[2].spread;
+            let mut spread = spread_of(cause, &mean, &own);
+            (0..N).filter(|i| prevents[*i]).for_each(|i| spread[i] = NOT_THERE * precision(i));
+            if let Some(loose) = loose {
+                spread[loose] = LOOSE_MM;
+            }
+            let along = slope.map(|slope| slope * way / steps / libm::sqrt(12.0));
+            // The case as it would be counted: its amount goes on in proportion to the line.
+            let case = 3.0 + f64::from(n) / steps;
+            Atom { cause: heavy.cause, case, prior: 0.0, prevents, mean, along, spread }
+        })
+        .collect()
 }
 
 /// Residuals and factor of the covariance of the readings under a hypothesis.
@@ -216,9 +302,14 @@ impl Belief {
     }
 
     fn log_of(&self, atoms: &[usize], is_other: bool) -> f64 {
-        let prior: f64 =
-            atoms.iter().map(|atom| libm::log(causes()[self.atoms[*atom].cause].common / GRADES as f64)).sum::<f64>()
-                + if is_other { libm::log(OTHER) } else { 0.0 };
+        let prior: f64 = atoms.iter().map(|atom| self.atoms[*atom].prior).sum::<f64>()
+            + if is_other { libm::log(OTHER) } else { 0.0 };
+        let taken = |atom: &&Atom| {
+            let is_prevented = |row: &&Row| row.of.iter().any(|(f, _)| *f != CHECK && atom.prevents[*f]);
+            self.rows.iter().filter(is_prevented).count() as f64
+        };
+        let prevented: f64 = atoms.iter().map(|atom| taken(&&self.atoms[*atom])).sum();
+        let prior = prior + prevented * libm::log(TOOK_PLACE);
         match self.predicted(atoms, is_other) {
             Some(predicted) => prior + log_density(&predicted.factor, &predicted.off),
             None => f64::NEG_INFINITY,
@@ -234,6 +325,13 @@ impl Belief {
             }
         }
         of
+    }
+
+    /// Returns the probability that two causes are there together.
+    pub(super) fn together(&self, a: usize, b: usize) -> f64 {
+        let holds = |set: &Hypothesis, cause: usize| set.atoms.iter().any(|atom| self.atoms[*atom].cause == cause);
+        let both = self.sets.iter().filter(|set| holds(set, a) && holds(set, b));
+        both.map(|set| libm::exp(set.log)).sum()
     }
 
     /// Returns the probabilities that something else is wrong, and that nothing is.

@@ -11,6 +11,8 @@ const HAMMER_ARM_M: f64 = 0.023;
 const WHIPPEN_ARM_M: f64 = 0.025;
 /// Place of the strike weight, m.
 const STRIKE_ARM_M: f64 = 0.130;
+/// Largest friction of a flange that still moves, at 23 mm, gf: an estimate.
+const MOST_G: f64 = 20.0;
 /// Largest number of swings counted.
 const MAX_SWINGS: u32 = 60;
 
@@ -81,10 +83,11 @@ pub(super) fn friction_of_swings(swings: f64, strike_weight_g: f64) -> [f64; 2] 
         let fits: Vec<f64> = grid.filter(|g| (f64::from(passes(*g, strike_weight_g)) - passes_).abs() < 0.5).collect();
         fits.first().copied().zip(fits.last().copied())
     };
-    // The count may be off by one swing, and the pendulum model by a quarter.
+    // The count may be off by one swing, and the pendulum model by a quarter; a flange that still moves has no more than
+    // a heavy case of the table.
     let low = of((swings + 1.0).min(f64::from(MAX_SWINGS))).map_or(STEP_G, |(low, _)| low);
-    let high = of((swings - 1.0).max(0.0)).map_or(50.0, |(_, high)| high.min(50.0));
-    [0.75 * low, 1.25 * high]
+    let high = of((swings - 1.0).max(0.0)).map_or(MOST_G, |(_, high)| high);
+    [0.75 * low, (1.25 * high).min(MOST_G)]
 }
 
 #[cfg(test)]

@@ -17,16 +17,64 @@ pub struct Cause {
     pub name: String,
     /// Prior odds: frequency of the cause, an estimate.
     pub common: f64,
+    /// Place in the trade's order of work, from 1 for friction to leads.
+    pub order: u32,
     /// Change in a simulated action.
     pub(super) change: Change,
     /// Size of the change in a light, a plain and a heavy case.
     pub(super) amounts: [f64; 3],
+    /// Largest change that is met, if it is beyond the heavy case.
+    pub(super) beyond: Option<Beyond>,
     /// Quick test that distinguishes it from the other causes.
     pub test: String,
     /// Cure.
     pub cure: String,
     /// Source in the literature.
     pub source: String,
+}
+
+/// Changes larger than the heavy case of the table.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Beyond {
+    /// Reading that the cause sets.
+    pub line: String,
+    /// Largest change of it that is met, in its unit.
+    pub to: f64,
+    /// Amount of the cause that makes it.
+    pub amount: f64,
+    /// Reading that is then where another screw has put it.
+    pub loose: Option<String>,
+}
+
+/// Cause without a model: a sentence with a test of ten seconds.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Look {
+    /// Name in JSON.
+    pub key: String,
+    /// Name at the bench.
+    pub name: String,
+    /// Readings that send you there when they are out of their ranges.
+    pub(super) if_out: Vec<String>,
+    /// Side of the reading that is the cause's own sign.
+    pub(super) own_sign: Option<Side>,
+    /// Test of ten seconds.
+    pub test: String,
+    /// Cure.
+    pub cure: String,
+    /// Source.
+    pub source: String,
+}
+
+/// Side of a usual range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Side {
+    /// Below it.
+    Low,
+    /// Above it.
+    High,
 }
 
 /// What a cause changes in a simulated action.
@@ -80,16 +128,46 @@ impl TryFrom<String> for Change {
 struct Table {
     format: String,
     cause: Vec<Cause>,
+    look: Vec<Look>,
 }
 
-static CAUSES: LazyLock<Vec<Cause>> = LazyLock::new(|| {
+static TABLE: LazyLock<Table> = LazyLock::new(|| {
     let table: Table = from_toml(include_str!("causes.toml")).expect("the built-in causes read");
     assert_eq!(table.format, "erard-causes/1");
-    table.cause
+    table
 });
 
 /// Returns all causes.
 #[must_use]
 pub fn causes() -> &'static [Cause] {
-    &CAUSES
+    &TABLE.cause
+}
+
+/// Returns all causes without a model.
+#[must_use]
+pub fn looks() -> &'static [Look] {
+    &TABLE.look
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::effect::FEATURES;
+
+    /// Every reading that the table names can be entered, and friction comes before leverage before hammers and leads.
+    #[test]
+    fn the_table_is_whole() {
+        for line in causes().iter().filter_map(|cause| cause.beyond.as_ref()) {
+            assert!(FEATURES.contains(&line.line.as_str()), "{line:?}");
+            assert!(line.loose.as_ref().is_none_or(|loose| FEATURES.contains(&loose.as_str())), "{line:?}");
+        }
+        let order = |start: &str| {
+            let of = causes().iter().filter(|cause| cause.key.starts_with(start) || cause.key.ends_with(start));
+            let places: Vec<u32> = of.map(|cause| cause.order).collect();
+            assert!(places.windows(2).all(|pair| pair[0] == pair[1]) && !places.is_empty(), "{start}: {places:?}");
+            places[0]
+        };
+        let steps = ["_friction", "dip_", "let_off_", "drop_", "spring_", "ratio_", "leads_"].map(order);
+        assert!(steps.is_sorted() && order("_heavy") > order("ratio_"), "{steps:?}");
+    }
 }

@@ -301,9 +301,17 @@ const INSTEAD: [Entry; 2] = [
     ),
 ];
 
-/// Usual range at a key, open ends infinite; `None` if there is none.
+/// Ratio of a sharp over that of the naturals beside it: 1.07 to 1.10 in published tables.
+const SHARP: f64 = 1.085;
+
+/// Factor of the usual ratio at a key: a sharp is shorter than a natural.
+pub(super) fn ratio_factor(key: usize) -> f64 {
+    if is_sharp(key) { SHARP } else { 1.0 }
+}
+
+/// Range at a key beyond which a reading is a fault, open ends infinite; `None` if there is none.
 pub(super) fn usual_range(line: &str, key: usize) -> Option<[f64; 2]> {
-    let [low, high] = usual(line)?.at(key);
+    let [low, high] = usual(line)?.faults(key);
     Some([low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)])
 }
 
@@ -358,23 +366,36 @@ impl Entry {
         // Renner's technical manual, quoted on the PTG forum: 2 to 5 gf at 23 mm from a hammer's pin; 1 to 4 for a
         // whippen, without an arm: 25 mm is our own.
         match self.name {
+            // A free whippen is no fault.
             "hammer_flange_g" => return Some([2.0, 5.0]),
-            "whippen_flange_g" => return Some([1.0, 4.0]),
+            "whippen_flange_g" => return Some([f64::NEG_INFINITY, 4.0]),
             // "4 - 8 times" (Pianotech list, December 2002), "4 - 7" and "5 to 9" (Caut list).
             "hammer_swings" => return Some([4.0, 9.0]),
-            // Half of a usual friction weight: the built-in grand's key has a third of it. Our own.
-            "key_alone_friction_g" => return Some([1.0, 6.0]),
+            // Stanwood (Pianotech list, December 2003): above 6 g is high; little is no fault.
+            "key_alone_friction_g" => return Some([f64::NEG_INFINITY, 6.0]),
             _ => {}
         }
-        usual_range(line, key)
+        let range = usual_range(line, key);
+        match self.name {
+            "strike_weight_ratio" => range.map(|ends| ends.map(|end| end * ratio_factor(key))),
+            // They follow from balance weight and friction weight: D = BW + F, U = BW - F.
+            "down_weight_g" | "up_weight_g" => {
+                let [b_low, b_high] = usual_range("balance_weight_g", key)?;
+                let [_, f_high] = usual_range("friction_weight_g", key)?;
+                let f_low = usual("friction_weight_g")?.at(key)[0]?;
+                let is_down = self.name == "down_weight_g";
+                Some(if is_down { [b_low + f_low, b_high + f_high] } else { [b_low - f_high, b_high - f_low] })
+            }
+            _ => range,
+        }
     }
 
     /// Reason why the usual range of this entry is not that of a key; `None` if it is.
     #[must_use]
     pub fn not_judged(&self, key: usize) -> Option<&'static str> {
-        let is_of_a_natural = ["front_weight_g", "strike_weight_ratio", "dip_mm", "key_ratio"].contains(&self.name);
+        let is_of_a_natural = ["front_weight_g", "dip_mm", "key_ratio"].contains(&self.name);
         (is_of_a_natural && is_sharp(key)).then_some(
-            "a sharp is shorter than a natural: the usual ranges of ratio, front weight and dip are those of naturals",
+            "a sharp is shorter than a natural: the usual ranges of key ratio, front weight and dip are those of naturals",
         )
     }
 }

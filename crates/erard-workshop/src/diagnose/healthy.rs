@@ -5,7 +5,7 @@
 
 use super::cause::causes;
 use super::effect::{BALANCE, FEATURES, FRICTION, N, effects};
-use super::entry::{at, entries};
+use super::entry::{at, entries, ratio_factor};
 use crate::measure::usual::usual;
 
 /// Mean and covariance of the features of sound keys.
@@ -42,12 +42,11 @@ const SCREWS: [(usize, &str); 9] = [
 /// travel at a leverage of 5.2 or 5.8. An estimate.
 const AFTERTOUCH_MM: f64 = 0.5;
 
-/// A sum of features, its value, and its standard deviation.
-type Condition = (Vec<(usize, f64)>, f64, f64);
-
-/// Middle and standard deviation of a usual range with two ends.
+/// Middle and standard deviation of a usual range with two ends, as far as nothing is a fault.
 fn usual_of(line: &str, key: usize) -> Option<[f64; 2]> {
-    let [low, high] = usual(line)?.at(key);
+    let range = usual(line)?;
+    let ([low, high], [fault_low, fault_high]) = (range.at(key), range.faults(key));
+    let (low, high) = (fault_low.or(low), fault_high.or(high));
     Some([0.5 * (low? + high?), (high? - low?) / libm::sqrt(12.0)])
 }
 
@@ -71,7 +70,7 @@ impl Healthy {
         }
         let [balance, balance_sd] = of("balance_weight_g");
         let [strike, strike_sd] = of("strike_weight_g");
-        let [ratio, ratio_sd] = of("strike_weight_ratio_weights");
+        let [ratio, ratio_sd] = of("strike_weight_ratio_weights").map(|end| end * ratio_factor(key));
         healthy.mean[at::RATIO] = ratio;
         healthy.mean[at::SPRING] = 0.25;
         // The equation of balance: a technician sets the balance weight by leads, and the front weight follows.
@@ -94,19 +93,9 @@ impl Healthy {
             healthy.add(&[(feature, sd), (at::AFTERTOUCH, unit[at::AFTERTOUCH] * sd)]);
         }
         healthy.add(&[(at::AFTERTOUCH, AFTERTOUCH_MM)]);
-        // These are in their usual ranges.
-        let mut known: Vec<Condition> = Vec::new();
-        for feature in [FRICTION, at::AFTERTOUCH] {
-            let [middle, sd] = of(FEATURES[feature]);
-            known.push((vec![(feature, 1.0)], middle, sd));
-        }
-        let [down, down_sd] = of("down_weight_g");
-        let [up, up_sd] = of("up_weight_g");
-        known.push((vec![(BALANCE, 1.0), (FRICTION, 1.0)], down, down_sd));
-        known.push((vec![(BALANCE, 1.0), (FRICTION, -1.0)], up, up_sd));
-        for (row, middle, sd) in known {
-            healthy.condition(&row, middle, sd);
-        }
+        // An aftertouch out of its range is set by another dip. Friction is not set: it is what parts have.
+        let [middle, sd] = of(FEATURES[at::AFTERTOUCH]);
+        healthy.condition(&[(at::AFTERTOUCH, 1.0)], middle, sd);
         healthy
     }
 

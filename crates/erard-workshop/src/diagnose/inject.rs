@@ -10,12 +10,17 @@ use crate::measure::MeasureError;
 use crate::regulate::KnownScrew;
 use crate::worklist::Work;
 
-/// Returns the amount of a cause in a case: 1 is the light one of `causes.toml`, 2 the plain one, 3 the heavy one, with
-/// linear interpolation between them. The unit is that of `amounts` there.
+/// Returns the amount of a cause in a case: 1 is the light one of `causes.toml`, 2 the plain one, 3 the heavy one, 4 the
+/// largest that is met, with linear interpolation between them. The unit is that of `amounts` there.
 #[must_use]
 pub fn injected_amount(cause: &Cause, case: f64) -> f64 {
     let [light, plain, heavy] = cause.amounts;
-    if case <= 2.0 { light + (plain - light) * (case - 1.0) } else { plain + (heavy - plain) * (case - 2.0) }
+    let largest = cause.beyond.as_ref().map_or(heavy, |beyond| beyond.amount);
+    match case {
+        case if case <= 2.0 => light + (plain - light) * (case - 1.0),
+        case if case <= 3.0 => plain + (heavy - plain) * (case - 2.0),
+        case => heavy + (largest - heavy) * (case - 3.0).min(1.0),
+    }
 }
 
 /// Returns an action with this amount of a cause added or, with `undo`, removed.

@@ -25,11 +25,11 @@ mod typed;
 
 pub use answer::{BASIS, answer, explained_as, faults, form, joined};
 pub use bench::{Bench, passes};
-pub use cause::{Cause, causes};
+pub use cause::{Cause, Look, causes, looks};
 pub use effect::{check_effects, effects_csv};
 pub use entry::{Entry, Impossible, Known, entries, readings};
 pub use geometry::{Band, Geometry};
 pub use inject::{inject, injected_amount};
-pub use report::{Diagnosis, Judged, Ranked, Standing, Suggestion, diagnose};
+pub use report::{Diagnosis, Judged, Ranked, Standing, Suggestion, WEIGH_AGAIN_G, diagnose};
 pub use table::{is_table_of_keys, read};
 pub use typed::Typed;

@@ -1,18 +1,33 @@
-//! The answer: judged readings, possible causes, the next measurement, and quantities derived from the weights.
+//! The answer: judged readings, named causes in the order of work, causes that the readings do not separate, looks
+//! without a model, the next measurement, and quantities derived from the weights.
 
-use super::belief::{Belief, Row};
+use super::belief::{BALANCE_PER_FRICTION, Belief, Row};
 use super::bench::friction_of_swings;
-use super::cause::{Cause, causes};
+use super::cause::{Cause, Look, Side, causes, looks};
 use super::effect::{BALANCE, FEATURES, FRICTION, N, of_known, precision};
 use super::entry::{Known, at, entries, usual_range};
 use super::geometry::Geometry;
 use super::next::next;
 use crate::measure::usual::usual;
 
-/// Causes below this probability are not named.
-const LEAST: f64 = 0.03;
-/// Largest number of causes named.
-const MAX_LINES: usize = 6;
+/// A cause is named if it is more likely than not.
+const NAMED: f64 = 0.5;
+/// A cause is named only if the readings make it more likely than any cause in whose place it would be, this many times
+/// as much as their frequencies do: otherwise our estimate of frequencies decides, and not the readings.
+const BY_READINGS: f64 = 3.0;
+/// Two causes are in each other's place if they are together in less than this share of the cases of the rarer one.
+const RIVAL: f64 = 0.35;
+/// Largest number of causes named: after these, all is measured again.
+const MAX_NAMED: usize = 2;
+/// Causes of an undecided answer: at least this probability, and this many times as likely as before the readings.
+const LEAST: f64 = 0.05;
+const MORE_LIKELY: f64 = 1.5;
+/// Largest number of them.
+const MAX_UNDECIDED: usize = 6;
+/// Friction weight from which weights are not yet those of the piano: they are taken again after easing, g.
+pub const WEIGH_AGAIN_G: f64 = 16.0;
+/// A cure that takes other readings farther out, in precisions, than it brings in is withheld.
+const WORSE: f64 = 1.0;
 /// Least information of a suggested measurement, bits.
 const LEAST_BITS: f64 = 0.05;
 
@@ -61,6 +76,8 @@ pub struct Ranked {
     pub case: f64,
     /// Readings that it explains: those that it changes by more than their precision, with the estimated change.
     pub explains: Vec<(&'static str, f64)>,
+    /// Reason why its cure is withheld for the present; `None` if it is not.
+    pub withheld: Option<String>,
 }
 
 /// The most informative measurement.
@@ -90,8 +107,19 @@ pub struct Diagnosis {
     pub key: usize,
     /// The readings in the order of the sheet, with balance weight, friction weight and leverage derived from them.
     pub lines: Vec<Judged>,
-    /// Causes, the likeliest first; empty if no reading is out of its range by more than its error.
+    /// Named causes, two at most, each more likely than not, in the trade's order of work; empty if no reading is out of
+    /// its range by more than its error, or if the readings decide nothing.
     pub causes: Vec<Ranked>,
+    /// Causes that these readings make more likely and do not separate, the likeliest first.
+    pub undecided: Vec<Ranked>,
+    /// Causes more likely than not whose cure is withheld for the present, with the reason.
+    pub withheld: Vec<Ranked>,
+    /// Causes without a model, each a sentence with its test; those of which a reading is their own sign come first.
+    pub looks: Vec<&'static Look>,
+    /// Whether the first look is the answer: a reading is its own sign.
+    pub is_look: bool,
+    /// Whether weights are taken again after friction has been eased: it is above [`WEIGH_AGAIN_G`].
+    pub weigh_again: bool,
     /// Probability that none of the table's causes fits.
     pub something_else: f64,
     /// Reading to take next; `None` if no reading would be informative.
@@ -113,25 +141,54 @@ impl Diagnosis {
 pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
     let geometry = Geometry::of(known, key);
     let lines = lines(known, key, &geometry);
-    let mut diagnosis = Diagnosis { key, lines, causes: Vec::new(), something_else: 0.0, next: None, geometry };
+    let mut diagnosis = Diagnosis {
+        key,
+        lines,
+        causes: Vec::new(),
+        undecided: Vec::new(),
+        withheld: Vec::new(),
+        looks: Vec::new(),
+        is_look: false,
+        weigh_again: known.friction_g().is_some_and(|friction_g| friction_g > WEIGH_AGAIN_G),
+        something_else: 0.0,
+        next: None,
+        geometry,
+    };
     if !diagnosis.is_work() {
         return diagnosis;
     }
+    (diagnosis.looks, diagnosis.is_look) = looks_for(&diagnosis.lines);
     let belief = Belief::of(key, rows(known, key, &diagnosis.geometry));
     let of = belief.of_causes();
-    let mut order: Vec<usize> = (0..of.len()).filter(|cause| of[*cause] >= LEAST).collect();
+    let mut order: Vec<usize> = (0..of.len()).collect();
     order.sort_by(|a, b| of[*b].total_cmp(&of[*a]));
-    if order.is_empty() {
-        order = (0..of.len()).max_by(|a, b| of[*a].total_cmp(&of[*b])).into_iter().collect();
-    }
-    order.truncate(MAX_LINES);
-    diagnosis.causes = order
-        .into_iter()
-        .map(|cause| {
-            let (case, change) = belief.case_and_change(cause);
-            Ranked { cause: &causes()[cause], probability: of[cause], case, explains: explained(known, &change) }
-        })
-        .collect();
+    let ranked = |cause: usize| {
+        let (case, change) = belief.case_and_change(cause);
+        let withheld = worsens(&diagnosis.lines, &change);
+        let explains = explained(known, &change);
+        Ranked { cause: &causes()[cause], probability: of[cause], case, explains, withheld }
+    };
+    let likely = order.iter().take_while(|cause| of[**cause] >= LEAST).map(|cause| ranked(*cause));
+    let place = |ranked: &Ranked| causes().iter().position(|own| own.key == ranked.cause.key).unwrap_or_default();
+    let is_decided = |ranked: &Ranked| {
+        let own = place(ranked);
+        let rivals = (0..of.len()).filter(|other| *other != own && of[*other] >= LEAST);
+        let mut rivals = rivals.filter(|other| belief.together(own, *other) < RIVAL * of[own].min(of[*other]));
+        rivals.all(|other| of[own] / of[other] >= BY_READINGS * causes()[own].common / causes()[other].common)
+    };
+    let is_likely = |ranked: &Ranked| ranked.probability >= NAMED && is_decided(ranked);
+    let (likely, others): (Vec<Ranked>, Vec<Ranked>) = likely.partition(is_likely);
+    let (withheld, mut named): (Vec<Ranked>, Vec<Ranked>) =
+        likely.into_iter().partition(|ranked| ranked.withheld.is_some());
+    diagnosis.withheld = withheld;
+    let rest = named.split_off(named.len().min(MAX_NAMED));
+    named.sort_by_key(|ranked| ranked.cause.order);
+    diagnosis.causes = named;
+    let is_told = |ranked: &Ranked| {
+        let prior = ranked.cause.common / (1.0 + ranked.cause.common);
+        ranked.probability >= MORE_LIKELY * prior
+    };
+    diagnosis.undecided = rest.into_iter().chain(others).filter(is_told).take(MAX_UNDECIDED).collect();
     diagnosis.something_else = belief.of_other_and_none()[0];
     let features = of_known(known);
     let is_known = |feature: usize| {
@@ -162,6 +219,56 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
     diagnosis
 }
 
+/// Causes without a model for the readings that are out, those whose own sign a reading is first; and whether the first
+/// is one of these.
+fn looks_for(lines: &[Judged]) -> (Vec<&'static Look>, bool) {
+    let out = |name: &String| lines.iter().find(|line| line.name == *name && line.standing == Standing::Out);
+    let is_own = |look: &Look| {
+        look.if_out.iter().filter_map(out).any(|line| match (look.own_sign, line.value, line.usual) {
+            (Some(Side::High), Some(value), Some([_, high])) => value > high,
+            (Some(Side::Low), Some(value), Some([low, _])) => value < low,
+            _ => false,
+        })
+    };
+    let is_due = |look: &&Look| match look.own_sign {
+        Some(_) => is_own(look),
+        None => look.if_out.iter().any(|name| out(name).is_some()),
+    };
+    let mut found: Vec<&Look> = looks().iter().filter(is_due).collect();
+    found.sort_by_key(|look| !is_own(look));
+    let is_first = found.first().is_some_and(|look| is_own(look));
+    (found, is_first)
+}
+
+/// Reason why the cure of a cause with this effect is withheld: other readings would go farther out than those that it
+/// brings in.
+fn worsens(lines: &[Judged], change: &[Option<f64>; N]) -> Option<String> {
+    let (mut by, mut worst): (f64, Option<(f64, &Judged, f64)>) = (0.0, None);
+    for (feature, name) in FEATURES.iter().enumerate() {
+        let line = lines.iter().find(|line| line.name == *name).filter(|line| is_judged(line));
+        let Some((line, value, [low, high], change)) = line.and_then(|line| {
+            let (value, range, change) = (line.value?, line.usual?, change[feature]?);
+            Some((line, value, range, change))
+        }) else {
+            continue;
+        };
+        let out = |value: f64| (low - value).max(value - high).max(0.0) / precision(feature);
+        let more = out(value - change) - out(value);
+        by += more;
+        if more > worst.map_or(0.0, |(most, ..)| most) {
+            worst = Some((more, line, value - change));
+        }
+    }
+    let (_, line, then) = worst.filter(|_| by > WORSE)?;
+    let label = line.label.split(" (").next().unwrap_or(line.label);
+    Some(format!("{label} would then be {then:.*} {}", line.decimals, line.unit).trim_end().to_owned())
+}
+
+/// Whether a line is judged by its range.
+fn is_judged(line: &Judged) -> bool {
+    !matches!(line.standing, Standing::NoRange | Standing::NotJudged(_))
+}
+
 /// Readings explained by a change.
 fn explained(known: &Known, change: &[Option<f64>; N]) -> Vec<(&'static str, f64)> {
     let features = of_known(known);
@@ -179,10 +286,18 @@ fn explained(known: &Known, change: &[Option<f64>; N]) -> Vec<(&'static str, f64
 /// The readings as rows of the probability model.
 fn rows(known: &Known, key: usize, geometry: &Geometry) -> Vec<Row> {
     let features = of_known(known);
+    // Where the ratio follows from the weights, it is the reading, and the front weight has said what it can.
+    let derived = geometry.ratio.filter(|_| known.at(at::RATIO).is_none());
     let mut rows: Vec<Row> = (0..N)
         .filter(|feature| *feature < 2 || entries()[*feature].not_judged(key).is_none())
+        .filter(|feature| *feature != at::FRONT || derived.is_none())
         .filter_map(|feature| Some(Row::of(feature, features[feature]?)))
         .collect();
+    if let Some(ratio) = derived {
+        // The band adds largest errors, which are about three times the standard error of their sum.
+        let error = (ratio.high - ratio.low) / 6.0;
+        rows.push(Row { of: vec![(at::RATIO, 1.0)], value: 0.5 * (ratio.low + ratio.high), error });
+    }
     match (known.at(at::DOWN), known.at(at::UP)) {
         (Some(down), None) => {
             rows.push(Row { of: vec![(BALANCE, 1.0), (FRICTION, 1.0)], value: down, error: 0.6 });
@@ -194,7 +309,7 @@ fn rows(known: &Known, key: usize, geometry: &Geometry) -> Vec<Row> {
         rows.push(Row::not_caught());
     }
     let is_natural = entries()[at::FRONT].not_judged(key).is_none();
-    if let (None, Some(front), true) = (known.at(at::FRONT), geometry.front_weight_g, is_natural) {
+    if let (None, None, Some(front), true) = (derived, known.at(at::FRONT), geometry.front_weight_g, is_natural) {
         let error = (front.high - front.low) / libm::sqrt(12.0);
         rows.push(Row { of: vec![(at::FRONT, 1.0)], value: 0.5 * (front.low + front.high), error });
     }
@@ -217,23 +332,30 @@ fn lines(known: &Known, key: usize, geometry: &Geometry) -> Vec<Judged> {
         let value = known.at(index);
         if value.is_some() || not_there {
             let usual = entry.range(key);
+            // Down-weight and up-weight follow from balance weight and friction weight, which are judged.
+            let follows = [at::DOWN, at::UP].contains(&index) && known.balance_g().is_some();
             let standing = match (entry.not_judged(key), usual, value) {
                 (Some(why), ..) => Standing::NotJudged(why),
                 (None, None, _) => Standing::NoRange,
+                (None, Some(_), _) if follows => Standing::NoRange,
                 (None, Some(_), None) => Standing::Out,
                 (None, Some(range), Some(value)) => stands(value, range, entry.precision, entry.decimals),
             };
+            let usual = usual.filter(|_| !follows);
             let (name, label, unit, decimals) = (entry.name, entry.label, entry.unit, entry.decimals);
             lines.push(Judged { name, label, unit, decimals, value, usual, standing });
         }
         if index == at::UP {
-            for (name, label, value) in [
-                ("balance_weight_g", "balance weight (D+U)/2", known.balance_g()),
-                ("friction_weight_g", "friction weight (D-U)/2", known.friction_g()),
+            // Friction shifts the balance weight a little: above the usual it is known so well only.
+            let friction_g = known.friction_g().filter(|friction_g| *friction_g > WEIGH_AGAIN_G);
+            let shifted_g = friction_g.map_or(0.0, |friction_g| BALANCE_PER_FRICTION * (friction_g - EASED_G));
+            for (name, label, value, error) in [
+                ("balance_weight_g", "balance weight (D+U)/2", known.balance_g(), 1.0 + shifted_g),
+                ("friction_weight_g", "friction weight (D-U)/2", known.friction_g(), 1.0),
             ] {
                 let usual = usual_range(name, key);
                 if let (Some(value), Some(range)) = (value, usual) {
-                    let standing = stands(value, range, 1.0, 1);
+                    let standing = stands(value, range, error, 1);
                     lines.push(Judged { name, label, unit: "g", decimals: 1, value: Some(value), usual, standing });
                 }
             }
@@ -252,6 +374,9 @@ fn lines(known: &Known, key: usize, geometry: &Geometry) -> Vec<Judged> {
     }
     lines
 }
+
+/// Friction weight of an eased key, g: the middle of the usual range of middle C.
+const EASED_G: f64 = 11.0;
 
 /// Place of a reading relative to its range, both as rounded for display.
 fn stands(value: f64, [low, high]: [f64; 2], precision: f64, decimals: usize) -> Standing {

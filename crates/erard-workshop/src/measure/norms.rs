@@ -312,7 +312,7 @@ mod tests {
     fn norms_follow_the_register() {
         let line = |key: &str| lines().find(|line| line.key == key).unwrap();
         assert_eq!(line("strike_weight_g").usual(40), "8.5-10.5");
-        assert_eq!(line("strike_weight_g").usual(88), "4.6-6.4");
+        assert_eq!(line("strike_weight_g").usual(88), "4.6-5.8");
         assert_eq!(line("strike_weight_g").usual(1), "10.3-12.4");
         // Half-way from 9.7 to 8.5 and from 11.8 to 10.5.
         assert_eq!(line("strike_weight_g").range(28), [Some(9.1), Some(11.15)]);
@@ -323,7 +323,18 @@ mod tests {
             assert!(low.unwrap() < grams && grams < high.unwrap(), "{key}");
         }
         assert_eq!(line("effective_inertia_kg").usual(40), "0.200-0.350");
-        assert_eq!(line("down_weight_g").usual(1), line("down_weight_g").usual(88));
+        assert_eq!(line("dip_mm").usual(1), line("dip_mm").usual(88));
+        // D = BW + F and U = BW - F at the ends of both.
+        for key in [1, 20, 40, 64, 88] {
+            let of = |name: &str| line(name).range(key).map(Option::unwrap);
+            let ([b_low, b_high], [f_low, f_high]) = (of("balance_weight_g"), of("friction_weight_g"));
+            let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{key}: {a} {b}");
+            let ([d_low, d_high], [u_low, u_high]) = (of("down_weight_g"), of("up_weight_g"));
+            near(d_low, b_low + f_low);
+            near(d_high, b_high + f_high);
+            near(u_low, b_low - f_high);
+            near(u_high, b_high - f_low);
+        }
         assert_eq!(line("lost_motion_mm").usual(40), "");
     }
 }

@@ -24,8 +24,23 @@ pub struct UsualRange {
     low: Option<Limit>,
     #[serde(rename = "at_most")]
     high: Option<Limit>,
+    /// End below which it is a fault, if that is not `at_least`.
+    fault_below: Option<Limit>,
+    /// End above which it is a fault, if that is not `at_most`.
+    fault_above: Option<Limit>,
+    /// Ends that are no fault.
+    #[serde(default)]
+    no_fault: Vec<End>,
     /// Source, with any derivation from it.
     pub source: String,
+}
+
+/// A side of a usual range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum End {
+    Low,
+    High,
 }
 
 /// One end of a usual range.
@@ -75,11 +90,20 @@ fn parse(text: &str) -> Result<BTreeMap<String, UsualRange>, String> {
         if range.low.is_none() && range.high.is_none() {
             return fault("expected `at_least` or `at_most`");
         }
-        if [&range.low, &range.high].into_iter().flatten().any(|limit| !limit.is_sound()) {
+        let limits = [&range.low, &range.high, &range.fault_below, &range.fault_above];
+        if limits.into_iter().flatten().any(|limit| !limit.is_sound()) {
             return fault("expected a finite number, or pairs of a key from 1 to 88, ascending, and a finite number");
         }
         if (1..=KEYS).any(|at| matches!(range.at(at), [Some(low), Some(high)] if low >= high)) {
             return fault("expected `at_least` below `at_most`");
+        }
+        let is_narrower = |at: usize| {
+            let ([low, high], [fault_low, fault_high]) = (range.at(at), range.faults(at));
+            low.zip(fault_low).is_some_and(|(low, fault)| fault > low)
+                || high.zip(fault_high).is_some_and(|(high, fault)| fault < high)
+        };
+        if (1..=KEYS).any(is_narrower) {
+            return fault("expected `fault_below` and `fault_above` outside the range");
         }
     }
     Ok(table.usual)
@@ -90,6 +114,16 @@ impl UsualRange {
     #[must_use]
     pub(crate) fn at(&self, key: usize) -> [Option<f64>; 2] {
         [&self.low, &self.high].map(|limit| limit.as_ref().and_then(|limit| limit.at(key)))
+    }
+
+    /// Ends at a key beyond which it is a fault, from low to high; an end that is no fault is open.
+    #[must_use]
+    pub(crate) fn faults(&self, key: usize) -> [Option<f64>; 2] {
+        let of = |own: &Option<Limit>, usual: &Option<Limit>, end: End| {
+            let limit = own.as_ref().or(usual.as_ref()).filter(|_| !self.no_fault.contains(&end));
+            limit.and_then(|limit| limit.at(key))
+        };
+        [of(&self.fault_below, &self.low, End::Low), of(&self.fault_above, &self.high, End::High)]
     }
 
     /// Whether the range differs from bass to treble.
@@ -146,6 +180,7 @@ mod tests {
         assert!(told("at_least = 9.5\nat_most = [[40, 11], [88, 12]]").is_ok());
         for (body, what) in [
             ("", "expected `at_least` or `at_most`"),
+            ("at_most = 11\nfault_above = 10", "outside the range"),
             ("at_least = nan", "finite number"),
             ("at_least = []", "finite number"),
             ("at_least = [[40, 1], [40, 2]]", "ascending"),

@@ -12,6 +12,8 @@ const BUILTIN: &str = include_str!("../../validation/cases.toml");
 const FORMAT: &str = "erard-cases/1";
 /// First cause of a key without work.
 pub const NOTHING: &str = "nothing";
+/// First cause of a key whose readings do not decide.
+const UNDECIDED: &str = "undecided";
 /// Any work, in a list of harmful causes.
 const ANY: &str = "any";
 
@@ -244,8 +246,11 @@ impl Case {
 
     /// Judges a diagnosis of one of its keys.
     fn judge(&self, key: usize, found: &Diagnosis) -> CaseResult {
-        let named: Vec<String> = found.causes.iter().map(|ranked| ranked.cause.key.clone()).collect();
-        let first = named.first().cloned().unwrap_or_else(|| NOTHING.to_owned());
+        let look = found.looks.first().filter(|_| found.is_look).map(|look| look.key.clone());
+        let causes = found.causes.iter().map(|ranked| ranked.cause.key.clone());
+        let named: Vec<String> = look.into_iter().chain(causes).collect();
+        let none = if found.is_work() { UNDECIDED } else { NOTHING };
+        let first = named.first().cloned().unwrap_or_else(|| none.to_owned());
         let is_harmful = |cause: &&String| self.harmful.iter().any(|one| one == ANY || one == *cause);
         let harmful: Vec<String> = named.iter().filter(is_harmful).cloned().collect();
         let is_met = self.acceptable.contains(&first) && self.also.iter().all(|one| named.contains(one));
@@ -254,7 +259,7 @@ impl Case {
             (true, false) => CaseVerdict::Missed,
             (true, true) => CaseVerdict::Met,
         };
-        let probability = found.causes.first().map(|ranked| ranked.probability);
+        let probability = found.causes.first().map(|ranked| ranked.probability).filter(|_| !found.is_look);
         CaseResult { key, first, probability, named, harmful, verdict }
     }
 }

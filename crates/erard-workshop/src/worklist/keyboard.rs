@@ -11,11 +11,14 @@ use super::list::Why;
 use super::readings::ReadingQuantity;
 use super::weights::{balance_for, best_friction_g, friction_change_g};
 use crate::balance::{BalancedKey, KeyModel, LEAST_BALANCE_G, MeasuredKey, Plan, Target, median, plan};
+use crate::measure::usual::usual;
 
 use ReadingQuantity::FrictionWeight;
 
 /// Fewest keys for a median balance weight.
 const FEWEST: usize = 4;
+/// Balance weight at which the trade aims, g: Love 38 to 40 (CAUT list), Stanwood 38.
+const TRADE_G: f64 = 38.0;
 /// Last keys of the string sections except the highest: an estimate for a concert grand. Every piano has its own.
 pub const SECTION_ENDS: [usize; 3] = [20, 50, 70];
 
@@ -29,9 +32,8 @@ pub enum AimFrom {
     /// The balance weight nearest to that median for which D, U and balance weight are usual at every key, if the
     /// median is farther from it than a hand can weigh.
     NearMedian,
-    /// The balance weight with the largest margins of D, U and balance weight, if too few keys were weighed for a
-    /// median.
-    MostRoom,
+    /// The trade's 38 g, if too few keys were weighed for a median.
+    Trade,
 }
 
 /// An operation over the keyboard.
@@ -107,19 +109,19 @@ impl KeyboardList {
         beyond_g(key).is_some_and(|by_g| by_g > 0.0) && !Self::is_friction_out(key)
     }
 
-    /// The usual friction weights of a key, g.
+    /// The friction weights of a key beyond which it is a fault, as `erard diagnose` judges them, g: little friction is
+    /// none.
     #[must_use]
     pub fn usual_friction_g(key: usize) -> [f64; 2] {
-        FrictionWeight.range(key)
+        let [_, high] = usual(FrictionWeight.key()).map_or([None; 2], |range| range.faults(key));
+        [0.0, high.unwrap_or(f64::INFINITY)]
     }
 }
 
 /// Distance of a key's friction reading from its range, g: 0 inside.
 fn beyond_g(key: &BalancedKey) -> Option<f64> {
-    let [low, high] = FrictionWeight.range(key.measured.key);
-    let friction_g = key.friction_weight_g?;
-    let is_out = FrictionWeight.line().is_out_at(Some(friction_g), key.measured.key);
-    Some(if is_out { (low - friction_g).max(friction_g - high) } else { 0.0 })
+    let [_, high] = KeyboardList::usual_friction_g(key.measured.key);
+    Some((key.friction_weight_g? - high).max(0.0))
 }
 
 /// Targets of a keyboard.
@@ -177,11 +179,11 @@ fn aim(measured: &[MeasuredKey]) -> Option<(f64, AimFrom)> {
     let [low, high] = borne.fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], one| {
         [low.max(one.balance_g - one.margin_g), high.min(one.balance_g + one.margin_g)]
     });
-    let most_room_g = 0.5 * (low + high);
+    let borne_g = |aim_g: f64| if low <= high { aim_g.clamp(low, high) } else { 0.5 * (low + high) };
     if balances.len() < FEWEST {
-        return Some((most_room_g, AimFrom::MostRoom));
+        return Some((borne_g(TRADE_G), AimFrom::Trade));
     }
-    let near_g = if low <= high { middle.clamp(low, high) } else { most_room_g };
+    let near_g = borne_g(middle);
     // A target nearer than that would move some keys and leave their neighbours.
     let is_near = (middle - near_g).abs() < LEAST_BALANCE_G;
     Some(if is_near { (middle, AimFrom::Median) } else { (near_g, AimFrom::NearMedian) })
@@ -263,22 +265,22 @@ mod tests {
         MeasuredKey { key, down_weight_g: Some(down_g), up_weight_g: Some(up_g), ..MeasuredKey::default() }
     }
 
-    /// D 58 and U 18 at middle C: 20 g of friction are 7.5 over the range. 8 g less come nearest to the best, D 50 and
-    /// U 26; its own balance weight is not the target, and no lead moves before it has been weighed again.
+    /// D 58 and U 18 at middle C: 20 g of friction are 4.8 over the range. 10 g less come nearest to the best, D 48 and
+    /// U 28, and no lead moves before it has been weighed again.
     #[test]
     fn a_lone_key_with_friction() {
         let list = keyboard_list(&[weighed(40, 58.0, 18.0)], &MODELS, &goal(None)).unwrap();
         let works: Vec<&Work> = list.lines.iter().map(|line| &line.work).collect();
-        assert_eq!(works, [&Work::Friction { by_g: -8.0 }]);
-        assert_eq!((list.lines[0].after.down_g, list.lines[0].after.up_g), (Some(50.0), Some(26.0)));
-        assert_eq!((list.aim_from, list.left.as_slice()), (AimFrom::MostRoom, &[(40, Why::Friction)][..]));
-        // D from 45, U to 25 and a balance weight from 34 g leave 34 to 36.4 g at the best friction.
-        assert!((list.plan.target.balance_weight_g - 35.2).abs() < 0.1, "{list:?}");
+        assert_eq!(works, [&Work::Friction { by_g: -10.0 }]);
+        assert_eq!((list.lines[0].after.down_g, list.lines[0].after.up_g), (Some(48.0), Some(28.0)));
+        // Its balance weight is the trade's: nothing waits.
+        assert_eq!((list.aim_from, list.left.as_slice()), (AimFrom::Trade, &[][..]));
+        assert_eq!(list.plan.target.balance_weight_g, TRADE_G);
         // A lone key of 44 g with usual friction: the target is not its own balance weight.
         let list = keyboard_list(&[weighed(40, 55.0, 33.0)], &MODELS, &goal(None)).unwrap();
         assert!(matches!(list.lines[0].work, Work::Leads(_)), "{list:?}");
         let after_g = list.lines[0].after;
-        assert!((0.5 * (after_g.down_g.unwrap() + after_g.up_g.unwrap()) - 35.2).abs() < 0.3, "{after_g:?}");
+        assert!((0.5 * (after_g.down_g.unwrap() + after_g.up_g.unwrap()) - TRADE_G).abs() < 0.3, "{after_g:?}");
         assert!(keyboard_list(&[MeasuredKey { key: 3, ..MeasuredKey::default() }], &MODELS, &goal(None)).is_none());
     }
 
@@ -299,7 +301,8 @@ mod tests {
         let keys_of = |operation| of(operation).map(|line| line.key).collect::<Vec<_>>();
         assert_eq!(keys_of(Operation::Friction), [30, 34, 31, 32, 33]);
         assert_eq!(keys_of(Operation::Hammers), [60]);
-        assert_eq!(&keys_of(Operation::Leads)[..8], &[1, 20, 21, 50, 51, 70, 71, 88]);
+        // The ceiling of key 88 leaves less than a hand can weigh.
+        assert_eq!(&keys_of(Operation::Leads)[..8], &[1, 20, 21, 50, 51, 70, 71, 87]);
         // A gram of hammer is R grams at the key; the leads do the rest.
         let hammer = of(Operation::Hammers).next().unwrap();
         assert!((hammer.work.amount() + 1.0).abs() < 1e-9, "{hammer:?}");
@@ -315,24 +318,29 @@ mod tests {
         assert!(list.lines.is_sorted_by_key(|line| line.operation));
     }
 
-    /// Changes too small to weigh are not requested, a key gets no more lead than usual, and a median that leaves U no
-    /// room is not followed.
+    /// Changes too small to weigh are not requested, a key gets no more lead than usual, and a median out of the usual
+    /// range is not followed.
     #[test]
     fn what_is_not_asked_for() {
         let keys: Vec<MeasuredKey> = (38..=42).map(|key| weighed(key, 49.0, 26.0)).collect();
         let list = keyboard_list(&keys, &MODELS, &goal(Some(39.0))).unwrap();
         assert!(list.lines.is_empty() && list.left.is_empty(), "{list:?}");
-        // 37.5 g is 1.1 g over the balance weight that leaves U its range: not worth a lead at every key. 40 g is.
-        let list = keyboard_list(&keys, &MODELS, &goal(None)).unwrap();
-        assert_eq!((list.aim_from, list.plan.target.balance_weight_g), (AimFrom::Median, 37.5));
-        assert!(list.lines.is_empty(), "{list:?}");
-        let keys: Vec<MeasuredKey> = (38..=42).map(|key| weighed(key, 52.0, 28.0)).collect();
+        // Their own 37.5 g is usual, and so is a published standard of 52 and 28 g: no lead at any key.
+        for (down_g, up_g, balance_g) in [(49.0, 26.0, 37.5), (52.0, 28.0, 40.0)] {
+            let keys: Vec<MeasuredKey> = (38..=42).map(|key| weighed(key, down_g, up_g)).collect();
+            let list = keyboard_list(&keys, &MODELS, &goal(None)).unwrap();
+            assert_eq!((list.aim_from, list.plan.target.balance_weight_g), (AimFrom::Median, balance_g));
+            assert!(list.lines.is_empty(), "{list:?}");
+        }
+        let keys: Vec<MeasuredKey> = (38..=42).map(|key| weighed(key, 56.0, 32.0)).collect();
         let list = keyboard_list(&keys, &MODELS, &goal(None)).unwrap();
         assert_eq!((list.aim_from, list.lines.len()), (AimFrom::NearMedian, 5));
-        assert!((list.plan.target.balance_weight_g - 36.4).abs() < 0.1, "{list:?}");
-        // 13 g of friction are half a gram over: less than the error of a reading.
-        let list = keyboard_list(&[weighed(40, 48.5, 22.5)], &MODELS, &goal(None)).unwrap();
+        assert!((list.plan.target.balance_weight_g - 40.0).abs() < 0.1, "{list:?}");
+        // 16 g of friction are 0.8 g over: less than the error of a reading. Little friction is no fault.
+        let list = keyboard_list(&[weighed(40, 54.0, 22.0)], &MODELS, &goal(None)).unwrap();
         assert!(list.lines.is_empty() && KeyboardList::is_friction_doubtful(&list.plan.keys[0]), "{list:?}");
+        let list = keyboard_list(&[weighed(40, 44.0, 32.0)], &MODELS, &goal(None)).unwrap();
+        assert!(list.lines.is_empty() && !KeyboardList::is_friction_doubtful(&list.plan.keys[0]), "{list:?}");
         let mut full = weighed(40, 56.0, 33.0);
         (full.front_weight_g, full.strike_weight_g) = (Some(30.0), Some(10.0));
         let list = keyboard_list(&[full], &MODELS, &goal(Some(38.0))).unwrap();

@@ -7,7 +7,8 @@ use erard_workshop::balance::Lead;
 use erard_workshop::diagnose::{Diagnosis, Known, Standing, causes, check_effects, diagnose, inject};
 use erard_workshop::measure::measure;
 use erard_workshop::sample::Sampled;
-use proof::{GRAND, KEY, sound_sample, sound_samples, tally};
+use erard_workshop::validate::{CaseUse, CaseVerdict, Cases};
+use proof::{GRAND, KEY, ranked, sound_sample, sound_samples, tally};
 
 fn known(pairs: &[(&str, f64)]) -> Known {
     let mut known = Known::default();
@@ -17,6 +18,11 @@ fn known(pairs: &[(&str, f64)]) -> Known {
 
 fn named(diagnosis: &Diagnosis) -> Vec<&str> {
     diagnosis.causes.iter().map(|ranked| ranked.cause.key.as_str()).collect()
+}
+
+/// Causes that the readings leave open.
+fn open(diagnosis: &Diagnosis) -> Vec<&str> {
+    diagnosis.undecided.iter().map(|ranked| ranked.cause.key.as_str()).collect()
 }
 
 fn standing<'a>(diagnosis: &'a Diagnosis, name: &str) -> &'a Standing {
@@ -33,9 +39,15 @@ fn friction_let_off_and_drop() {
     assert_eq!((value("balance_weight_g"), value("friction_weight_g")), (38.0, 20.0));
     assert_eq!(*standing(&found, "balance_weight_g"), Standing::Inside);
     assert_eq!(*standing(&found, "friction_weight_g"), Standing::Out);
-    let causes = named(&found);
+    let causes = [named(&found), open(&found)].concat();
     assert!(["let_off_wide", "hammer_low"].contains(&causes[0]), "{causes:?}");
-    assert!(causes.iter().any(|cause| cause.ends_with("friction")), "{causes:?}");
+    // Where it rubs is left open: two places at least.
+    assert!(open(&found).iter().filter(|cause| cause.ends_with("friction")).count() >= 2, "{causes:?}");
+    let to_do = found.to_do();
+    assert!(
+        found.weigh_again && to_do.iter().any(|line| line.starts_with("Ease friction and weigh again")),
+        "{to_do:?}"
+    );
     let weights = ["hammer_heavy", "hammer_light", "leads_", "ratio_"];
     assert!(!causes.iter().any(|cause| weights.iter().any(|weight| cause.starts_with(weight))), "{causes:?}");
     // Weights show neither the place of friction nor a low hammer line: a further measurement is requested.
@@ -50,27 +62,29 @@ fn the_quick_test_tells_places_of_friction_apart() {
     let weights = [("down_weight_g", 58.0), ("up_weight_g", 18.0)];
     let with = |name: &'static str, value: f64| {
         let found = diagnose(&known(&[&weights[..], &[(name, value)]].concat()), 40);
-        (found.causes[0].cause.key.clone(), found.causes[0].probability)
+        let first = ranked(&found)[0];
+        (first.cause.key.clone(), first.probability)
     };
-    for (name, value, cause) in [
-        ("key_alone_friction_g", 12.5, "key_friction"),
-        ("hammer_flange_g", 13.0, "hammer_friction"),
-        ("hammer_swings", 1.0, "hammer_friction"),
-        ("whippen_flange_g", 45.0, "whippen_friction"),
+    // One swing may be 6 to 20 g at 23 mm: it says less than a gauge.
+    for (name, value, cause, least) in [
+        ("key_alone_friction_g", 12.5, "key_friction", 0.8),
+        ("hammer_flange_g", 13.0, "hammer_friction", 0.8),
+        ("hammer_swings", 1.0, "hammer_friction", 0.6),
+        ("whippen_flange_g", 45.0, "whippen_friction", 0.8),
     ] {
         let (first, probability) = with(name, value);
-        assert!(first == cause && probability > 0.8, "{name} {value}: {first} {probability}");
+        assert!(first == cause && probability > least, "{name} {value}: {first} {probability}");
     }
     // A dry knuckle does not show in the weights: let-off, drop and aftertouch become smaller together.
     let knuckle = [("let_off_mm", 0.8), ("drop_mm", 0.1), ("aftertouch_mm", 0.5), ("dip_mm", 10.0), ("blow_mm", 46.0)];
-    assert_eq!(named(&diagnose(&known(&knuckle), 40))[0], "knuckle_friction");
+    assert_eq!(ranked(&diagnose(&known(&knuckle), 40))[0].cause.key, "knuckle_friction");
 }
 
 /// A reading outside by less than its error needs no work; a missing one is not judged; a sharp's dip is not compared
 /// with a natural's.
 #[test]
 fn nothing_is_made_of_nothing() {
-    let near = diagnose(&known(&[("let_off_mm", 2.2), ("dip_mm", 9.4)]), 40);
+    let near = diagnose(&known(&[("let_off_mm", 2.7), ("dip_mm", 9.4)]), 40);
     assert!(!near.is_work() && near.causes.is_empty() && *standing(&near, "let_off_mm") == Standing::Doubtful);
     let sharp = diagnose(&known(&[("dip_mm", 8.5), ("down_weight_g", 50.0)]), 41);
     assert!(!sharp.is_work() && matches!(standing(&sharp, "dip_mm"), Standing::NotJudged(_)));
@@ -78,7 +92,79 @@ fn nothing_is_made_of_nothing() {
     // A hammer that is not caught is a reading, too.
     let mut open = Known::default();
     open.is_not_caught = true;
-    assert_eq!(named(&diagnose(&open, 40))[0], "check_far");
+    assert_eq!(ranked(&diagnose(&open, 40))[0].cause.key, "check_far");
+}
+
+/// Published pianos that were looked at while the ranking was changed: none gets harmful work, and these are missed.
+#[test]
+fn published_pianos_that_choose() {
+    let mut missed = Vec::new();
+    for case in Cases::builtin().cases.iter().filter(|case| case.used == CaseUse::Choose) {
+        for result in case.run().unwrap() {
+            assert_ne!(result.verdict, CaseVerdict::Harmful, "{} {result:?}", case.name);
+            if result.verdict == CaseVerdict::Missed {
+                missed.push(format!("{} {}", case.name, result.key));
+            }
+        }
+    }
+    assert_eq!(missed, MISSED, "a case that is met now leaves the list");
+}
+
+/// Cases that choose and are missed. Of two heavier things the head is inside its range at 10.4 g; a hammer that is not
+/// caught can be a far check, a shallow dip or a tail, and only the last two are left open.
+const MISSED: [&str; 2] = ["planted-capstan-head-20 40", "tails 12"];
+
+/// A reading proves that its event took place: a check that catches nothing is no cause of a brisk rise from it.
+#[test]
+fn a_reading_speaks_against_what_prevents_it() {
+    let found = diagnose(&known(&[("repetition_spring_m_per_s", 0.6)]), 40);
+    assert_eq!(named(&found), ["spring_strong"]);
+    assert!(found.causes[0].probability > 0.7 && !open(&found).contains(&"check_far"), "{found:?}");
+}
+
+/// A down-weight alone decides nothing: no cause is named, friction and weights stay open, and the up-weight is asked
+/// for.
+#[test]
+fn a_weight_alone_decides_nothing() {
+    let found = diagnose(&known(&[("down_weight_g", 70.0)]), 40);
+    assert!(found.is_work() && found.causes.is_empty(), "{:?}", named(&found));
+    let open = open(&found);
+    assert!(open.iter().any(|cause| cause.ends_with("friction")) && open.contains(&"hammer_heavy"), "{open:?}");
+    assert!(found.open_question().unwrap().starts_with("These readings decide nothing among"));
+    assert_eq!(found.next.as_ref().unwrap().name, "down_weight_g");
+}
+
+/// Two causes at most are named, friction before leverage before hammers and leads.
+#[test]
+fn causes_come_in_the_trades_order() {
+    let weights = [("down_weight_g", 88.0), ("up_weight_g", 36.0), ("strike_weight_g", 9.0), ("front_weight_g", 20.0)];
+    let rubbing = [("key_alone_friction_g", 19.0), ("hammer_flange_g", 4.0)];
+    let found = diagnose(&known(&[&weights[..], &rubbing[..]].concat()), 40);
+    assert_eq!(named(&found), ["key_friction", "ratio_high"], "{:?}", found.causes);
+    let to_do = found.to_do();
+    let of = |word: &str| to_do.iter().position(|line| line.contains(word)).unwrap();
+    assert!(of("balance hole") < of("capstan line") && to_do[of("capstan line")].contains("Weigh again"), "{to_do:?}");
+}
+
+/// A cure that takes other readings farther out is withheld, with the reading: a shallow dip with a long aftertouch is
+/// what a high leverage was regulated to, and paper taken out lengthens the aftertouch.
+#[test]
+fn a_cure_that_makes_it_worse_is_withheld() {
+    let found =
+        diagnose(&known(&[("dip_mm", 9.0), ("blow_mm", 46.0), ("aftertouch_mm", 2.6), ("let_off_mm", 1.5)]), 40);
+    assert_eq!(named(&found), ["ratio_high"], "{:?} {:?}", found.causes, found.withheld);
+    assert!(found.withheld.iter().any(|ranked| ranked.cause.key == "dip_shallow"), "{:?}", found.withheld);
+    assert!(found.to_do().iter().any(|line| line.starts_with("Not yet for") && line.contains("aftertouch")));
+}
+
+/// A cause without a model is a sentence with a test: many swings are a sign of loose pinning alone.
+#[test]
+fn looks_are_sentences() {
+    let found = diagnose(&known(&[("hammer_swings", 12.0)]), 40);
+    assert!(found.is_look && found.causes.is_empty() && found.looks[0].key == "loose_pinning", "{found:?}");
+    assert!(found.to_do()[0].contains("sideways"), "{:?}", found.to_do());
+    let damp = diagnose(&known(&[("down_weight_g", 62.0), ("up_weight_g", 16.0)]), 40);
+    assert!(!damp.is_look && damp.looks.iter().any(|look| look.key == "humidity"), "{:?}", damp.looks);
 }
 
 /// The sheet's inertia is inside the band from weights alone, and known places of the leads narrow the band.
@@ -105,8 +191,7 @@ fn the_band_of_inertia_holds_the_sheet_s() {
 fn heavy_touch_is_seen_through() {
     let heavy = Instrument::builtin("heavy-touch").unwrap();
     let found = diagnose(&Known::measured(&heavy, &mut |_| true).unwrap(), KEY);
-    let causes = named(&found);
-    assert_eq!(causes[0], "ratio_high", "{:?}", found.causes);
+    assert!(named(&found).contains(&"ratio_high"), "{:?}", found.causes);
     let ratio = found.geometry.ratio.unwrap();
     // The sheet's R, which contains friction.
     assert!((ratio.low..=ratio.high).contains(&7.0), "{ratio:?}");
@@ -132,6 +217,15 @@ fn undoing_cures(pianos: usize) {
         println!("{place}: undone by {} mm of 0.3; still out: {:?}", -1e3 * amount, out(&cured));
         assert_eq!(out(&cured), out(&asked(healthy)), "{place}");
         assert!(place > 0 || !cured.is_work());
+    }
+}
+
+/// Errors of a bench: 1.5 g of D and U, 0.1 g of SW, 0.5 g of FW, 0.2 mm of dip, blow and let-off.
+fn bench_error(name: &str, precision: f64) -> f64 {
+    match name {
+        "down_weight_g" | "up_weight_g" => 1.5,
+        "dip_mm" | "blow_mm" | "let_off_mm" => 0.2,
+        _ => precision,
     }
 }
 
@@ -174,5 +268,37 @@ mod nightly {
         println!("{}", tally.report());
         assert_eq!((tally.pianos(), tally.healthy), (60, [20; 2]), "{}", tally.report());
         assert!(tally.first(2) >= 50, "{}", tally.report());
+    }
+
+    /// 200 readings of sound keys with a bench's errors: at most one in twenty gets work.
+    #[test]
+    #[ignore = "nightly: 20 drawn grands"]
+    fn sound_keys_get_no_work() {
+        let (mut work, mut all) = (0, 0);
+        for (number, grand) in super::sound_samples(20, 7001) {
+            let truth = super::Known::measured(&grand, &mut |_| true).unwrap();
+            super::proof::print_truth("healthy", f64::from(number), &truth);
+            let mut chance = crate::worklist::hand::Chance::new(u64::from(number));
+            for _ in 0..10 {
+                let read = super::proof::read_within(&truth, super::bench_error, &mut chance);
+                all += 1;
+                work += usize::from(super::diagnose(&read, super::KEY).is_work());
+            }
+        }
+        println!("{work} of {all} sound keys get work");
+        assert!(all == 200 && work <= 10, "{work} of {all}");
+    }
+
+    /// Every cause planted on grands that the effects were not simulated on: how many are named or come first.
+    #[test]
+    #[ignore = "nightly: two instruments, every cause"]
+    fn faults_planted_on_other_instruments() {
+        for name in ["steinway-o", "heavy-touch"] {
+            let Ok(base) = Instrument::builtin(name) else { continue };
+            for (at, _) in causes().iter().enumerate() {
+                let planted = super::proof::planted(at, 1, &base, Some(at));
+                super::proof::print_truth(&format!("{name}:{}", causes()[at].key), planted.case, &planted.truth);
+            }
+        }
     }
 }

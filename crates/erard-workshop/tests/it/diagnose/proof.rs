@@ -9,7 +9,9 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
 use erard::instrument::{Instrument, InstrumentFile};
-use erard_workshop::diagnose::{Diagnosis, Known, Standing, causes, diagnose, entries, inject, injected_amount};
+use erard_workshop::diagnose::{
+    Diagnosis, Known, Ranked, Standing, causes, diagnose, entries, inject, injected_amount,
+};
 use erard_workshop::sample::Sampled;
 use erard_workshop::worklist::{ReadingQuantity, Readings};
 
@@ -34,11 +36,32 @@ pub fn sound_sample(sampled: &Sampled, number: u32) -> Option<Instrument> {
 
 /// Returns the readings of the truth: each off by up to its precision.
 fn read(truth: &Known, chance: &mut Chance) -> Known {
+    read_within(truth, |_, precision| precision, chance)
+}
+
+/// Returns the readings of the truth, each off by up to an error that its name and precision give.
+pub fn read_within(truth: &Known, error: impl Fn(&str, f64) -> f64, chance: &mut Chance) -> Known {
     let mut read = truth.clone();
     for entry in entries() {
-        read.set(entry.name, truth.get(entry.name).map(|value| value + entry.precision * chance.either_way()));
+        let off = error(entry.name, entry.precision) * chance.either_way();
+        read.set(entry.name, truth.get(entry.name).map(|value| value + off));
     }
     read
+}
+
+/// All causes of an answer, named, withheld and left open, the likeliest first.
+pub fn ranked(found: &Diagnosis) -> Vec<&Ranked> {
+    let mut all: Vec<&Ranked> = found.causes.iter().chain(&found.withheld).chain(&found.undecided).collect::<Vec<_>>();
+    all.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    all
+}
+
+/// Prints a truth in one line, so that it can be diagnosed again without its simulation.
+pub fn print_truth(name: &str, case: f64, truth: &Known) {
+    let of = |entry: &erard_workshop::diagnose::Entry| Some(format!("{}={:.4}", entry.name, truth.get(entry.name)?));
+    let readings: Vec<String> = entries().iter().filter_map(of).collect();
+    let check = if truth.is_not_caught { " check_mm=none" } else { "" };
+    println!("truth {name} {case:.3} {}{check}", readings.join(" "));
 }
 
 /// The outcome for one piano.
@@ -104,6 +127,7 @@ pub fn course(planted: &Planted) -> Course {
     let go_on = &mut |_: f64| true;
     let Planted { at, number, cause, case, ill, truth } = planted;
     let (at, number, cause, case) = (*at, *number, *cause, *case);
+    print_truth(cause.map_or("sound", |at| &causes()[at].key), case, truth);
     // Random numbers independent of the case's.
     let mut chance = chance_of(at + 500, number);
     let seen = read(truth, &mut chance);
@@ -112,8 +136,7 @@ pub fn course(planted: &Planted) -> Course {
     let mut found = diagnose(&known, KEY);
     let is_work = found.is_work();
     let rank = |found: &Diagnosis| {
-        let place = found
-            .causes
+        let place = ranked(found)
             .iter()
             .position(|ranked| Some(ranked.cause.key.as_str()) == cause.map(|at| causes()[at].key.as_str()));
         place.map_or(0, |place| place + 1)
@@ -128,11 +151,11 @@ pub fn course(planted: &Planted) -> Course {
         ranks[time..].fill(rank(&found));
     }
     let mut out_of = [out(truth); 2];
-    if let Some(first) = found.causes.first() {
+    if let Some(first) = ranked(&found).first() {
         let undone = inject(ill, first.cause, injected_amount(first.cause, first.case), true, go_on).unwrap();
         out_of[1] = out(&Known::measured(&undone, go_on).unwrap());
     }
-    let named = found.causes.iter().map(|ranked| format!("{} {:.2}", ranked.cause.key, ranked.probability));
+    let named = ranked(&found).into_iter().map(|ranked| format!("{} {:.2}", ranked.cause.key, ranked.probability));
     Course { at, number, cause, case, ranks, is_work, asked, out: out_of, named: named.collect::<Vec<_>>().join(", ") }
 }
 
