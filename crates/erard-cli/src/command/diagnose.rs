@@ -6,7 +6,9 @@ use clap::{Arg, ArgMatches, Args, FromArgMatches};
 use erard::instrument::utf8;
 use erard::keyboard::key_named;
 use erard::parameter::aliases;
-use erard_workshop::diagnose::{Diagnosis, Entry, Known, answer as diagnosis_json, diagnose, entries, read, readings};
+use erard_workshop::diagnose::{
+    Diagnosis, Entry, Known, answer as diagnosis_json, diagnose, entries, read, readings, unused_columns,
+};
 use erard_workshop::measure::norms::MIDDLE_C;
 use serde_json::Value;
 
@@ -21,6 +23,7 @@ use crate::paper::PageHeader;
 use crate::print_line;
 use crate::session::Session;
 use crate::units::Lengths;
+use crate::warn;
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/diagnose.txt");
@@ -173,7 +176,12 @@ impl Diagnose {
         if self.key.is_some() {
             return Err(Failure::Usage(format!("{file}: --key goes with options; the table names its keys")));
         }
-        read(text, &file).map_err(|error| Failure::Usage(error.to_string()))
+        let keys = read(text, &file).map_err(|error| Failure::Usage(error.to_string()))?;
+        let unused = unused_columns(text, &file);
+        if !unused.is_empty() {
+            warn!(session, "warning: {file}: columns that were not used: {}", unused.join(", "));
+        }
+        Ok(keys)
     }
 
     /// What `erard measure` wrote: one sheet, or a list of them.

@@ -7,7 +7,7 @@ use clap::Args;
 use erard::instrument::Instrument;
 use erard::instrument::utf8;
 use erard::keyboard::{KEYS, Keyboard};
-use erard_workshop::balance::{BalancedKey, KeyModel, LEADS_G, check, read};
+use erard_workshop::balance::{BalancedKey, KeyModel, LEADS_G, check, read, unused_columns};
 use erard_workshop::cores;
 use erard_workshop::measure::MeasureError;
 use erard_workshop::worklist::{KeyboardGoal, KeyboardList, SECTION_ENDS, carry_out, keyboard_list};
@@ -31,8 +31,8 @@ pub(crate) struct WeighOptions {
     /// friction, hammers, leads. Lengths and unmeasured values come from KEYBOARD
     #[arg(long, value_name = "MEASURED.csv", conflicts_with_all = ["every", "key"])]
     measured: Option<std::path::PathBuf>,
-    /// Target for every key: balance=38g, or inertia=0.25kg, or both; without a unit g and kg [default: the balance
-    /// weight nearest to the median with which down-weight and up-weight can be usual]
+    /// Target for every key: balance=38g, ratio=5.8 (of the naturals), inertia=0.25kg, or several; without a unit g and
+    /// kg [default: the usual balance weight nearest to the median, 38 g if few keys were weighed]
     #[arg(long = "target", value_name = "WHAT=VALUE", requires = "measured")]
     targets: Vec<String>,
     /// First bring all strike weights to their smooth curve (or to the target inertia), then add leads. Without it,
@@ -58,6 +58,8 @@ pub(crate) struct WeighOptions {
     page_header: PageHeader,
 }
 
+/// What can be aimed at.
+const TARGETS: &str = "balance=38g, ratio=5.8 or inertia=0.25kg";
 /// Most kinds of leads: every combination of up to three is tried.
 const MAX_LEADS: usize = 12;
 
@@ -88,7 +90,7 @@ impl WeighOptions {
         let models = cores::map(&instruments, cores::count(), &mut |share| progress.tell(0.3 * share), model);
         let models = models.map_err(failed)?.into_boxed_slice();
         let models: Box<[KeyModel; KEYS]> = models.try_into().map_err(|_| failed(MeasureError::Lost))?;
-        let Some(list) = keyboard_list(&measured, &models, &goal) else {
+        let Some(mut list) = keyboard_list(&measured, &models, &goal) else {
             let why = "no key has both a down-weight and an up-weight; expected --target balance=38g";
             return Err(Failure::Usage(format!("{file}: {why}")));
         };
@@ -99,6 +101,10 @@ impl WeighOptions {
         progress.say("checking");
         let rest = if self.simulate_work { 0.2 } else { 0.7 };
         let checked = check(&sample, &mut |share| progress.tell(0.3 + rest * share)).map_err(failed)?;
+        drop(sample);
+        for one in &checked {
+            list.plan.keys.iter_mut().filter(|key| key.measured.key == one.key).for_each(|key| key.withhold(one));
+        }
         let weighed_again = if self.simulate_work {
             progress.say("carrying out");
             let tell = &mut |share: f64| progress.tell(0.5 + 0.5 * share);
@@ -108,6 +114,7 @@ impl WeighOptions {
         };
         drop(progress);
 
+        let unused = unused_columns(utf8(&bytes, &file)?, &file);
         let work = Work {
             name: &keyboard.name,
             file: &file,
@@ -135,6 +142,9 @@ impl WeighOptions {
             list.plan.keys.len(),
             keyboard.name
         );
+        if !unused.is_empty() {
+            print_line!(session, "  Columns that were not used: {}", unused.join(", "));
+        }
         print_line!(session);
         print_line!(session, "{}", text(&work).trim_end_matches('\n'));
         print_line!(session);
@@ -151,6 +161,7 @@ impl WeighOptions {
     fn goal(&self) -> Result<KeyboardGoal, Failure> {
         let mut target = KeyboardGoal {
             balance_weight_g: None,
+            ratio: None,
             inertia_kg: None,
             hammers: self.hammers,
             leads_g: self.leads_g()?,
@@ -158,19 +169,20 @@ impl WeighOptions {
         };
         for text in &self.targets {
             let wrong = |expected: &str| Failure::Usage(format!("--target {text}: expected {expected}"));
-            let (what, value) = text.split_once('=').ok_or_else(|| wrong("balance=38g or inertia=0.25kg"))?;
+            let (what, value) = text.split_once('=').ok_or_else(|| wrong(TARGETS))?;
             let within =
                 |quantity: Quantity, unit: &'static str, [least, most]: [f64; 2]| match quantity.read_in(value, unit) {
                     Ok(number) if (least..=most).contains(&number) => Ok(number),
                     Ok(_) | Err(NumberError::Text { .. }) => {
-                        Err(wrong(&format!("{what}= and a number from {least} to {most} {unit}")))
+                        Err(wrong(format!("{what}= and a number from {least} to {most} {unit}").trim_end()))
                     }
                     Err(error) => Err(Failure::Usage(format!("--target {text}: {error}"))),
                 };
             let place = match what.trim() {
                 "balance" => (&mut target.balance_weight_g, within(Quantity::Weight, "g", [10.0, 90.0])?),
+                "ratio" => (&mut target.ratio, within(Quantity::Number, "", [4.0, 9.0])?),
                 "inertia" => (&mut target.inertia_kg, within(Quantity::Mass, "kg", [0.05, 1.0])?),
-                _ => return Err(wrong("balance=38g or inertia=0.25kg")),
+                _ => return Err(wrong(TARGETS)),
             };
             if place.0.replace(place.1).is_some() {
                 return Err(Failure::Usage(format!("--target {what} is given twice")));

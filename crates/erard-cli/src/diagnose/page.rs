@@ -6,7 +6,7 @@ use super::Work;
 use super::words::{assumed_key, explains, geometry, key, mark, percent, rows, usual, value, weigh_again, would_read};
 use crate::paper::page;
 use crate::table::Table;
-use erard_workshop::diagnose::{BASIS, Diagnosis, Standing};
+use erard_workshop::diagnose::{BASIS, Diagnosis, Standing, common};
 
 const STYLE: &str = include_str!("../paper.css");
 
@@ -32,6 +32,7 @@ pub(crate) fn html(work: &Work<'_>) -> String {
         @if let [one] = work.found {
             div.one-page { (of_key(one, work)) }
         } @else {
+            @if let Some(common) = common(work.found) { p.note { (common.sentence()) } }
             (list(work))
             @for one in work.found.iter().filter(|one| one.is_work()) {
                 h2 { (key(one)) }

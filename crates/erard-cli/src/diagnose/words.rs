@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use erard::keyboard::note_name;
 use erard_workshop::diagnose::{
-    BASIS, Band, Diagnosis, Judged, Ranked, Standing, Suggestion, WEIGH_AGAIN_G, explained_as, joined,
+    BASIS, Band, Diagnosis, Judged, Ranked, Standing, Suggestion, WEIGH_AGAIN_G, common, explained_as, joined,
 };
 use erard_workshop::digits::{plain, signed};
 
@@ -252,6 +252,10 @@ pub(super) fn rows(work: &Work<'_>) -> Vec<[String; 6]> {
 fn of_many(found: &[Diagnosis], work: &Work<'_>) -> String {
     let ill = found.iter().filter(|one| one.is_work()).count();
     let mut out = format!("{} - {} keys, {ill} of them with work\n\n", work.file.unwrap_or(""), found.len());
+    if let Some(common) = common(found) {
+        line(&mut out, 2, &common.sentence());
+        let _ = writeln!(out);
+    }
     for [key, note, out_of, cause, percent, next] in rows(work) {
         if out_of.is_empty() {
             continue;

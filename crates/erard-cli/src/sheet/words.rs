@@ -222,6 +222,7 @@ fn why_words(quantity: ReadingQuantity, why: &Why) -> String {
         Why::NoSetting(names) => format!("no setting of {} gives it", screws(names)),
         Why::NoScrew => "no screw in this file; set it by hand".to_owned(),
         Why::Friction => "friction must come right first".to_owned(),
+        Why::Leverage => "leverage must come right first".to_owned(),
         Why::ReadAgain if quantity.has_screw() => {
             "other lines change it by an uncertain amount; read it in the end, and set it if it is out".to_owned()
         }

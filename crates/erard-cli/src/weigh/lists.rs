@@ -1,11 +1,11 @@
 //! The readings and the lines of work as tables, for the terminal and for the page.
 
 use erard::keyboard::note_name;
-use erard_workshop::balance::BalancedKey;
+use erard_workshop::balance::{AFTERTOUCH_PER_CAPSTAN, BalancedKey, Bound, MOST_CAPSTAN_MM, Remedy, Withheld};
 use erard_workshop::digits::signed;
 use erard_workshop::worklist::{KeyLine, KeyboardList, Operation, Why, Work as Works};
 
-use super::{LEAD_G, Work, front_weight_text, hammer_text, leads_text};
+use super::{LEAD_G, Work, capstan_text, front_weight_text, hammer_text, leads_text, remedy_text};
 use crate::table::{Table, decimal};
 
 /// What was weighed and what follows from it, a row for every key: `!` is out of the usual range, `?` by less than the
@@ -148,10 +148,17 @@ fn leads(works: &Works, key: &BalancedKey, work: &Work<'_>) -> String {
     }
 }
 
+/// Longest way of a lead, as a share of the key's front arm: the pin's and the front's ends need their wood.
+const MOST_WAY: f64 = 0.6;
+
 /// Where nobody said which leads are there: how far one would move for as much front weight.
 fn unknown_leads(key: &BalancedKey, work: &Work<'_>) -> Option<String> {
     let by_g = key.front_change_g.filter(|by_g| *by_g > 0.0 && key.measured.leads.is_empty())?;
     let by_mm = by_g * key.model.key_front_mm / LEAD_G;
+    // A lead farther than from the pin to the front is none.
+    if by_mm > MOST_WAY * key.model.key_front_mm {
+        return None;
+    }
     let inertia_g = erard_workshop::balance::moved_inertia_g(LEAD_G, by_mm, key.model.key_front_mm);
     let way = work.lengths.text(by_mm, 0);
     Some(format!("{LEAD_G:.0} g {way} to the front ({} g)", signed(inertia_g, 1)))
@@ -164,6 +171,7 @@ pub(super) fn remarks(work: &Work<'_>) -> Vec<String> {
     let from = aim_words(list);
     let inertia = target.inertia_kg.map_or(String::new(), |kg| format!(" and an inertia of {kg} kg"));
     let mut lines = vec![format!("Aim: a balance weight of {:.1} g ({from}){inertia}.", target.balance_weight_g)];
+    lines.extend(leverage(work));
     let out: Vec<&str> =
         plan.keys.iter().filter(|key| KeyboardList::is_friction_out(key)).map(|key| &*key.note).collect();
     if !out.is_empty() {
@@ -189,6 +197,71 @@ pub(super) fn remarks(work: &Work<'_>) -> Vec<String> {
         lines.push(format!("{missing} keys were not weighed; their aims are in weigh.json (curves)."));
     }
     lines
+}
+
+/// What is said of a leverage that is out at most keys.
+fn leverage(work: &Work<'_>) -> Option<String> {
+    let out = work.list.leverage.as_ref()?;
+    let ([low, high], by_mm) = (out.ratios, out.capstan_move_mm);
+    let way = if by_mm > 0.0 { "to the player" } else { "to the back" };
+    let way = format!("{} {way}", work.lengths.text(by_mm.abs(), 1));
+    let cost = work.lengths.text(AFTERTOUCH_PER_CAPSTAN * by_mm.abs(), 1);
+    let cost = if by_mm > 0.0 {
+        format!("costs about {cost} of aftertouch")
+    } else {
+        format!("gives about {cost} of aftertouch")
+    };
+    let rest = if (out.reaches - out.aim).abs() > 0.05 {
+        " The rest is the knuckles' distance, or the hammers' weight."
+    } else {
+        ""
+    };
+    Some(format!(
+        "Leverage before hammers and leads: the ratio of {} of {} keys is out on the same side ({low:.2} to {high:.2}), so the cause is one. \
+         The capstan line {way} brings the naturals to about {:.2} (aim {:.2}) and {cost}; try it on sample keys, and set blow and dip anew.{rest}",
+        out.keys.len(),
+        out.of,
+        out.reaches,
+        out.aim
+    ))
+}
+
+/// Remedies that are not given, and why.
+fn withheld(work: &Work<'_>) -> Vec<String> {
+    let keys = || work.list.plan.keys.iter().filter(move |key| !waits(work, key));
+    let each = |of: &dyn Fn(&Withheld) -> Option<String>| {
+        let told = keys().flat_map(|key| key.withheld.iter().filter_map(move |one| Some((&*key.note, of(one)?))));
+        told.map(|(note, text)| format!("{note} {text}")).collect::<Vec<_>>().join(", ")
+    };
+    let lengths = work.lengths;
+    let heel = each(&|one| match (&one.remedy, one.bound) {
+        (Remedy::Capstan(by_mm), Bound::Heel) => Some(capstan_text(*by_mm, lengths)),
+        _ => None,
+    });
+    let shank = each(&|one| match (&one.remedy, one.bound) {
+        (Remedy::Strike(by_g), Bound::StrikeWeight(then_g)) => Some(format!("{by_g:+.1} g (to {then_g:.1} g)")),
+        _ => None,
+    });
+    let model = each(&|one| match one.bound {
+        Bound::Model(Some(g)) => Some(format!("{}: {g:+.1} g in the model", remedy_text(&one.remedy, lengths))),
+        Bound::Model(None) => Some(format!("{}: no weight moves the key then", remedy_text(&one.remedy, lengths))),
+        _ => None,
+    });
+    let most = lengths.text(MOST_CAPSTAN_MM, 0);
+    [
+        (heel, format!("Capstans not moved, for more than {most} leaves the heel and takes the aftertouch")),
+        (shank, "Hammers left, for a strike weight far out of its usual range".to_owned()),
+        (model, "Withheld, for the dynamic model does not do what the equation says".to_owned()),
+    ]
+    .into_iter()
+    .filter(|(keys, _)| !keys.is_empty())
+    .map(|(keys, why)| format!("{why}: {keys}."))
+    .collect()
+}
+
+/// Whether a key's hammer and leads wait for the leverage.
+fn waits(work: &Work<'_>, key: &BalancedKey) -> bool {
+    work.list.leverage.as_ref().is_some_and(|out| out.keys.contains(&key.measured.key))
 }
 
 fn aim_words(list: &KeyboardList) -> &'static str {
@@ -232,8 +305,11 @@ pub(super) fn stays(work: &Work<'_>) -> Vec<String> {
         let keys = work.list.left.iter().filter(|(_, own)| own == why).map(|(key, _)| note_name(*key));
         keys.collect::<Vec<_>>().join(", ")
     };
-    let (friction, ceiling) = (of(&Why::Friction), of(&Why::Ceiling));
+    let (friction, ceiling, leverage) = (of(&Why::Friction), of(&Why::Ceiling), of(&Why::Leverage));
     let mut lines = Vec::new();
+    if !leverage.is_empty() {
+        lines.push(format!("Hammers and leads of {leverage} wait: first leverage, then weigh again."));
+    }
     if !friction.is_empty() {
         lines.push(format!("Hammers and leads of {friction} wait: first friction, then weigh again."));
     }
@@ -242,5 +318,6 @@ pub(super) fn stays(work: &Work<'_>) -> Vec<String> {
             "{ceiling}: as much lead as a key should have, and still too heavy: use lighter hammers or less leverage."
         ));
     }
+    lines.extend(withheld(work));
     lines
 }

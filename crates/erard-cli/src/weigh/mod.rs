@@ -12,7 +12,8 @@ pub(crate) use page::html;
 pub(crate) use table::{again, report, table};
 pub(crate) use text::{again_text, text};
 
-use erard_workshop::balance::{Checked, Lead, LeadWork, MeasuredKey};
+use erard_workshop::balance::{Checked, Lead, LeadWork, MeasuredKey, Remedy};
+use erard_workshop::digits::signed;
 use erard_workshop::worklist::KeyboardList;
 
 use crate::paper::PageHeader;
@@ -81,6 +82,15 @@ pub(crate) fn leads_text(work: &LeadWork, lengths: Lengths) -> String {
         words.push(format!("in {}", list(&new)));
     }
     words.join("; ")
+}
+
+/// A remedy, in words.
+fn remedy_text(remedy: &Remedy, lengths: Lengths) -> String {
+    match remedy {
+        Remedy::Leads(leads) => format!("leads {}", leads_text(leads, lengths)),
+        Remedy::Strike(by_g) => format!("strike weight {} g", signed(*by_g, 1)),
+        Remedy::Capstan(by_mm) => format!("capstan {}", capstan_text(*by_mm, lengths)),
+    }
 }
 
 /// What a move of the capstan is, in words.

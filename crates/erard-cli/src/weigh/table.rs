@@ -1,12 +1,12 @@
 //! The work as CSV and JSON.
 
 use erard::keyboard::{KEYS, note_name};
-use erard_workshop::balance::{BalancedKey, Checked, Lead, LeadWork, MeasuredKey, Remedy};
+use erard_workshop::balance::{BalancedKey, Bound, Checked, Lead, LeadWork, MeasuredKey, Remedy, Withheld};
 use erard_workshop::digits::signed;
-use erard_workshop::worklist::{AimFrom, KeyLine, KeyboardList, Operation, Why, Work as Works};
+use erard_workshop::worklist::{AimFrom, KeyLine, KeyboardList, Leverage, Operation, Why, Work as Works};
 use serde_json::{Value, json};
 
-use super::{Work, capstan_text, leads_text};
+use super::{Work, remedy_text};
 use crate::table::Table;
 
 /// What the sample says of statics.
@@ -23,11 +23,7 @@ fn worst(checked: &[Checked]) -> Option<f64> {
 }
 
 fn checked_text(one: &Checked, work: &Work<'_>) -> String {
-    let what = match &one.remedy {
-        Remedy::Leads(leads) => format!("leads {}", leads_text(leads, work.lengths)),
-        Remedy::Strike(by_g) => format!("strike weight {} g", signed(*by_g, 1)),
-        Remedy::Capstan(by_mm) => format!("capstan {}", capstan_text(*by_mm, work.lengths)),
-    };
+    let what = remedy_text(&one.remedy, work.lengths);
     let model = one.in_model_g.map_or("no weight moves the key".to_owned(), |g| format!("{} g", signed(g, 1)));
     format!(
         "Checked, {}: {what}: balance weight {} g by the equation, {model} in the model.",
@@ -144,6 +140,7 @@ pub(crate) fn report(work: &Work<'_>) -> Value {
         "measured": work.file,
         "target_balance_weight_g": list.plan.target.balance_weight_g,
         "target_from": aim_from,
+        "leverage": list.leverage.as_ref().map(of_leverage),
         "target_inertia_kg": list.plan.target.inertia_kg,
         "hammers_first": list.plan.target.hammers,
         "keys": list.plan.keys.iter().map(of_key).collect::<Value>(),
@@ -157,7 +154,37 @@ pub(crate) fn report(work: &Work<'_>) -> Value {
 }
 
 fn why_word(why: &Why) -> &'static str {
-    if *why == Why::Ceiling { "front_weight_ceiling" } else { "friction_first" }
+    match why {
+        Why::Ceiling => "front_weight_ceiling",
+        Why::Leverage => "leverage_first",
+        _ => "friction_first",
+    }
+}
+
+fn of_leverage(out: &Leverage) -> Value {
+    json!({
+        "keys": out.keys,
+        "of": out.of,
+        "smallest_ratio": out.ratios[0],
+        "largest_ratio": out.ratios[1],
+        "aim": out.aim,
+        "capstan_to_the_player_mm": out.capstan_move_mm,
+        "ratio_after": out.reaches,
+    })
+}
+
+fn of_withheld(one: &Withheld) -> Value {
+    let (remedy, amount) = match one.remedy {
+        Remedy::Leads(_) => ("leads", None),
+        Remedy::Strike(by_g) => ("strike_weight", Some(by_g)),
+        Remedy::Capstan(by_mm) => ("capstan", Some(by_mm)),
+    };
+    let why = match one.bound {
+        Bound::Heel => "too_far",
+        Bound::StrikeWeight(_) => "strike_weight_out",
+        Bound::Model(_) => "model_differs",
+    };
+    json!({"remedy": remedy, "amount": amount, "why": why})
 }
 
 fn of_leads(work: &LeadWork) -> Value {
@@ -191,6 +218,7 @@ fn of_key(key: &BalancedKey) -> Value {
         "whippen_weight_g": key.whippen_weight_g,
         "target_strike_weight_g": key.target_strike_weight_g,
         "target_front_weight_g": key.target_front_weight_g,
+        "withheld": key.withheld.iter().map(of_withheld).collect::<Value>(),
         "strike_weight_change_g": key.strike_change_g,
         "capstan_to_the_player_mm": key.capstan_move_mm,
         "balance_weight_after_g": key.after_balance_weight_g.filter(|_| !waits),

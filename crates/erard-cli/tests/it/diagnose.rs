@@ -93,6 +93,31 @@ fn a_table_of_keys() {
     assert_eq!(folder.read("erard-out-diagnose/diagnosis.csv").lines().count(), 4);
 }
 
+/// A piano as it was published (CAUT list, October 2004), with a column `N` and one that is not used: all keys say the
+/// same, once, and `keyboard --measured` of the same table says it, too, and gives no lead.
+#[test]
+fn one_piano_one_cause() {
+    let folder = folder("common");
+    let table = "N,D,U,FW,SW,colour\n28,64,43,25.6,10.1,red\n40,65,41,25,9.8,\n41,63,41,26.9,9.7,\n52,57,36,24.2,8.9,\n64,58,39,15.6,8.2,\n";
+    folder.file("piano.csv", table);
+    let output = folder.erard(&["piano.csv"]);
+    let (said, warned) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    assert!(said.contains("5 of 5 keys with work say the same, so that the cause is one: high"), "{said}");
+    assert!(warned.contains("columns that were not used: colour"), "{warned}");
+    let found = read(&folder, "erard-out-diagnose/diagnosis.json");
+    assert_eq!(found["common"]["cause"], "ratio_high");
+    let all = Folder::new("common-weighed");
+    all.file("piano.csv", table);
+    let said = all.good(&["keyboard", "--measured", "piano.csv", "--checked-keys", "0", "--out", "work"]);
+    assert!(said.contains("Leverage before hammers and leads: the ratio of 5 of 5 keys is out"), "{said}");
+    assert!(said.contains("wait: first leverage") && said.contains("Columns that were not used: colour"), "{said}");
+    assert!(!said.contains(" in 14 g") && !said.contains("to the front"), "{said}");
+    let plan = read(&all, "work/weigh.json");
+    assert_eq!((plan["work"].as_array().unwrap().len(), plan["leverage"]["of"].as_u64()), (0, Some(5)));
+    let by_mm = plan["leverage"]["capstan_to_the_player_mm"].as_f64().unwrap();
+    assert!((5.0..=8.0).contains(&by_mm), "{by_mm}");
+}
+
 /// Whatever is wrong is said with its place and with what to give instead, and nothing is written.
 #[test]
 fn what_is_wrong_is_named() {

@@ -191,7 +191,7 @@ fn what_is_wrong_is_named() {
         (&["--measured", "bad.csv"], "bad.csv:2: column `sw`: `heavy`; expected a number from 1 to 30 g"),
         (&["--measured", "half.csv"], "expected --target balance=38g"),
         (&["--measured", "piano.csv", "--target", "balance=heavy"], "expected balance= and a number from 10 to 90 g"),
-        (&["--measured", "piano.csv", "--target", "speed=3"], "balance=38g or inertia=0.25kg"),
+        (&["--measured", "piano.csv", "--target", "speed=3"], "balance=38g, ratio=5.8 or inertia=0.25kg"),
         (&["--measured", "piano.csv", "--target", "balance=38", "--target", "balance=39"], "given twice"),
         (&["--measured", "piano.csv", "--lead-masses", "0.1"], "masses from 1 to 50 g"),
         (&["--target", "balance=38g"], "--measured"),

@@ -1,13 +1,17 @@
 //! Check of the statics: remedies made in the dynamic model and weighed there.
 
 use super::model::add_mass;
-use super::plan::{BalancedKey, Remedy};
+use super::plan::{BalancedKey, Bound, Remedy, Withheld};
 use crate::cores;
 use crate::measure::MeasureError;
 use crate::weighing::touch;
 use erard::Progress;
 use erard::grand::{Parts, strike_weight_g};
 use erard::instrument::Instrument;
+
+/// Largest difference of the model from the equation with which a remedy is given: a reading's error and a quarter.
+const DIFFERS_G: f64 = 2.0;
+const DIFFERS: f64 = 0.25;
 
 /// Effect of a remedy on the balance weight, g: by the equation of balance, and in the dynamic model.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +37,25 @@ pub fn check(keys: &[(&BalancedKey, Instrument)], progress: &mut Progress<'_>) -
     let each =
         cores::map(keys, cores::count(), progress, |(key, instrument), progress| check_key(key, instrument, progress))?;
     Ok(each.into_iter().flatten().collect())
+}
+
+impl BalancedKey {
+    /// Withholds a remedy that the model refutes: its effect differs from the equation's by more than a reading's error
+    /// and a quarter.
+    pub fn withhold(&mut self, checked: &Checked) {
+        let [by_equation_g, in_model_g] = [Some(checked.by_equation_g), checked.in_model_g];
+        let apart = by_equation_g.zip(in_model_g).map(|(equation, model)| (equation - model).abs());
+        if apart.is_some_and(|apart| apart <= DIFFERS_G + DIFFERS * checked.by_equation_g.abs()) {
+            return;
+        }
+        match checked.remedy {
+            Remedy::Capstan(_) => self.capstan_move_mm = None,
+            Remedy::Strike(_) => self.strike_change_g = None,
+            // A gram of lead is a gram at the key in any model.
+            Remedy::Leads(_) => return,
+        }
+        self.withheld.push(Withheld { remedy: checked.remedy.clone(), bound: Bound::Model(in_model_g) });
+    }
 }
 
 fn check_key(
@@ -101,4 +124,44 @@ fn check_key(
         });
     }
     Ok(checked)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::leads::LEADS_G;
+    use super::super::measured::MeasuredKey;
+    use super::super::model::KeyModel;
+    use super::super::plan::{MOST_CAPSTAN_MM, Target, plan};
+    use super::*;
+    use erard::keyboard::KEYS;
+
+    /// A remedy that the model refutes is withheld, one that it confirms is given. Key 88 of a published piano (CAUT
+    /// list, October 2004: D 67, U 46, FW -8.6, SW 5.5 g) gets neither 26 mm of capstan nor 3 g off its hammer.
+    #[test]
+    fn remedies_have_bounds() {
+        let model = KeyModel::of(&Instrument::builtin("concert-grand").unwrap()).unwrap();
+        let weighed = |key: usize, [down_g, up_g, front_g, strike_g]: [f64; 4]| {
+            let key = MeasuredKey {
+                key,
+                down_weight_g: Some(down_g),
+                up_weight_g: Some(up_g),
+                front_weight_g: Some(front_g),
+                strike_weight_g: Some(strike_g),
+                ..MeasuredKey::default()
+            };
+            let target = Target { balance_weight_g: 38.0, inertia_kg: None, hammers: false };
+            plan(&[key], &[model; KEYS], target, &LEADS_G).keys.swap_remove(0)
+        };
+        let top = weighed(88, [67.0, 46.0, -8.6, 5.5]);
+        assert!(top.capstan_move_mm.is_none() && top.strike_change_g.is_none(), "{top:?}");
+        let bounds: Vec<Bound> = top.withheld.iter().map(|one| one.bound).collect();
+        assert!(matches!(bounds[..], [Bound::StrikeWeight(then_g), Bound::Heel] if then_g < 4.0), "{bounds:?}");
+        let mut key = weighed(40, [55.0, 29.0, 22.0, 9.0]);
+        let by_mm = key.capstan_move_mm.filter(|by_mm| by_mm.abs() < MOST_CAPSTAN_MM).unwrap();
+        let checked = |in_model_g| Checked { key: 40, remedy: Remedy::Capstan(by_mm), by_equation_g: -4.0, in_model_g };
+        key.withhold(&checked(Some(-6.5)));
+        assert!(key.capstan_move_mm.is_some() && key.withheld.is_empty());
+        key.withhold(&checked(Some(2.0)));
+        assert!(key.capstan_move_mm.is_none() && key.withheld[0].bound == Bound::Model(Some(2.0)), "{key:?}");
+    }
 }

@@ -94,6 +94,14 @@ const COLUMNS: [Column; 8] = [
     column("key_ratio", &["kr"], [0.3, 0.8], "", |row| &mut row.key.key_ratio),
 ];
 
+/// Returns the names of the columns of a table that [`read`] does not use, in lower case; empty for a text that is no
+/// table.
+#[must_use]
+pub fn unused_columns(text: &str, file: &str) -> Vec<String> {
+    let is_known = |name: &str| COLUMNS.iter().any(|column| column.name == name || column.also.contains(&name));
+    rows_of_keys(text, file, "key").map_or(Vec::new(), |table| table.unused(is_known))
+}
+
 /// Reads a table: a header that names `key` (1 to 88, or C4) or `note` (A0 to C8), and any of `strike_weight_g`,
 /// `front_weight_g`, `down_weight_g`, `up_weight_g`, `whippen_weight_g`, `key_ratio`, `leads` (such as `14@165 14@147`:
 /// grams at millimetres in front of the balance pin). `balance_weight_g` and `friction_weight_g` may replace
@@ -162,6 +170,16 @@ pub fn read(text: &str, file: &str) -> Result<Vec<MeasuredKey>, MeasuredError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A column `N` is the key's number; columns that are not used are named.
+    #[test]
+    fn columns_as_people_have_them() {
+        let text = "N;D;U;SW;colour;R\n16;50;25;10,4;red;5,6\n";
+        let keys = read(text, "a.csv").unwrap();
+        assert_eq!((keys[0].key, keys[0].strike_weight_g), (16, Some(10.4)));
+        assert_eq!(unused_columns(text, "a.csv"), ["colour", "r"]);
+        assert!(unused_columns("", "a.csv").is_empty());
+    }
 
     /// Commas with points, semicolons with decimal commas, tabs; numbers or notes; empty cells, comments, other
     /// columns.

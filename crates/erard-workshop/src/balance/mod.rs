@@ -29,12 +29,15 @@ pub(crate) use equation::WeightReadings;
 pub(crate) use leads::lead_work;
 pub use leads::{LEADS_G, Lead, LeadChoice, LeadWork, moved_inertia_g};
 pub(crate) use measured::{BALANCE_LIMITS_G, FRICTION_LIMITS_G};
-pub use measured::{MeasuredKey, read};
+pub use measured::{MeasuredKey, read, unused_columns};
 pub use model::KeyModel;
 pub(crate) use model::add_mass;
 pub use neighbours::Apart;
 pub(crate) use neighbours::median;
-pub use plan::{BalancedKey, Curves, LEAST_BALANCE_G, Plan, Remedy, Target, plan};
+pub use plan::{
+    AFTERTOUCH_PER_CAPSTAN, BalancedKey, Bound, Curves, LEAST_BALANCE_G, MOST_CAPSTAN_MM, Plan, Remedy, Target,
+    Withheld, plan,
+};
 pub use rows::MeasuredError;
 pub(crate) use rows::rows_of_keys;
 pub use smooth::smooth;

@@ -14,6 +14,12 @@ use crate::measure::norms::lines;
 pub const LEAST_BALANCE_G: f64 = 2.0;
 /// Step of a hammer's weight, g: the resolution of a scale.
 const HAMMER_STEP_G: f64 = 0.1;
+/// Largest move of a capstan, mm: technicians stop at 4.5 to 8 mm, for the heel ends and the aftertouch is used up.
+pub const MOST_CAPSTAN_MM: f64 = 8.0;
+/// Aftertouch that a move of 1 mm toward the player costs, mm: 3 to 6.5 mm on five drawn grands (effects.csv).
+pub const AFTERTOUCH_PER_CAPSTAN: f64 = 0.18;
+/// Share by which a strike weight after the work may be out of its usual range: beyond, the shank would be bare.
+const STRIKE_ROOM: f64 = 0.1;
 /// Step of front weight where no leads are named, g.
 const FRONT_STEP_G: f64 = 0.5;
 
@@ -52,6 +58,26 @@ pub enum Remedy {
     Strike(f64),
     /// Move of the capstan toward the player, mm.
     Capstan(f64),
+}
+
+/// Reason why a remedy is withheld.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bound {
+    /// The capstan would leave the heel, or the aftertouch would be used up.
+    Heel,
+    /// The strike weight would be this, g, far out of its usual range.
+    StrikeWeight(f64),
+    /// The model does not do what the equation says, g; `None` if no weight moves the key.
+    Model(Option<f64>),
+}
+
+/// A remedy that is not given.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Withheld {
+    /// The remedy as the equation has it.
+    pub remedy: Remedy,
+    /// Reason.
+    pub bound: Bound,
 }
 
 /// A key with its measured and derived quantities.
@@ -93,10 +119,12 @@ pub struct BalancedKey {
     pub is_at_ceiling: bool,
     /// Leads that reach the target. `None` if leads must go but are unknown, or if no leads reach it.
     pub leads: Option<LeadChoice>,
-    /// Change of strike weight that would suffice alone, g.
+    /// Change of strike weight that would suffice alone, g; `None` also if it is withheld.
     pub strike_change_g: Option<f64>,
-    /// Move of the capstan toward the player that would suffice alone, mm.
+    /// Move of the capstan toward the player that would suffice alone, mm; `None` also if it is withheld.
     pub capstan_move_mm: Option<f64>,
+    /// Remedies out of bounds, or refuted by the model.
+    pub withheld: Vec<Withheld>,
     /// Balance weight after the leads (and the hammer, if it is changed first), g.
     pub after_balance_weight_g: Option<f64>,
     /// Inertia after the leads (and the hammer, if it is changed first), kg.
@@ -186,6 +214,13 @@ fn ceiling_g(key: usize) -> f64 {
     line.and_then(|line| line.range(key)[1]).unwrap_or(f64::INFINITY)
 }
 
+/// Usual strike weights of a key, g.
+fn strike_range_g(key: usize) -> [f64; 2] {
+    let line = lines().find(|line| line.key == "strike_weight_g");
+    let [low, high] = line.map_or([None; 2], |line| line.range(key));
+    [low.unwrap_or(0.0), high.unwrap_or(f64::INFINITY)]
+}
+
 fn balanced(
     key: &MeasuredKey,
     model: &KeyModel,
@@ -241,6 +276,22 @@ fn balanced(
         let factor = (target_g + front_g) / (balance_g + front_g);
         (factor.is_finite() && factor > 0.0).then(|| model.capstan_move_mm(factor))
     });
+    let mut withheld = Vec::new();
+    let strike_change_g = strike_change_g.filter(|by_g| {
+        let then_g = strike_weight_g.map(|now| now + by_g);
+        let is_out = then_g.is_some_and(|then_g| {
+            let [low, high] = strike_range_g(key.key);
+            !((1.0 - STRIKE_ROOM) * low..=(1.0 + STRIKE_ROOM) * high).contains(&then_g)
+        });
+        let bound = then_g.filter(|_| is_out).map(Bound::StrikeWeight);
+        withheld.extend(bound.map(|bound| Withheld { remedy: Remedy::Strike(*by_g), bound }));
+        !is_out
+    });
+    let capstan_move_mm = capstan_move_mm.filter(|by_mm| {
+        let is_out = by_mm.abs() > MOST_CAPSTAN_MM;
+        withheld.extend(is_out.then_some(Withheld { remedy: Remedy::Capstan(*by_mm), bound: Bound::Heel }));
+        !is_out
+    });
     let after_balance_weight_g = balance_then_g.zip(front_change_g).map(|(g, by_g)| g - by_g);
     let after_strike_g = strike_weight_g.map(|now| now + hammer_change_g);
     let after_inertia_kg = match &leads {
@@ -267,6 +318,7 @@ fn balanced(
         leads,
         strike_change_g,
         capstan_move_mm,
+        withheld,
         after_balance_weight_g,
         after_inertia_kg,
         measured: key.clone(),

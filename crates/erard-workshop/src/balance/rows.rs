@@ -61,6 +61,9 @@ pub(crate) struct KeyRows {
     pub rows: Vec<KeyRow>,
 }
 
+/// Names of the columns that say which key a row is of.
+const KEY_NAMES: [&str; 6] = ["key", "key_number", "number", "nr", "no", "n"];
+
 /// A row.
 #[derive(Debug)]
 pub(crate) struct KeyRow {
@@ -75,6 +78,12 @@ pub(crate) struct KeyRow {
 }
 
 impl KeyRows {
+    /// Returns the names of columns that are neither the key's nor the leads', nor known to the caller.
+    pub(crate) fn unused(&self, is_known: impl Fn(&str) -> bool) -> Vec<String> {
+        let is_own = |name: &str| KEY_NAMES.contains(&name) || ["note", "leads", ""].contains(&name);
+        self.names.iter().filter(|name| !is_own(name) && !is_known(name)).cloned().collect()
+    }
+
     /// Returns the index of the column with any of these names.
     ///
     /// # Errors
@@ -118,7 +127,7 @@ pub(crate) fn rows_of_keys(text: &str, file: &str, header: &str) -> Result<KeyRo
         let twice = |name: String| fault(header_line, &name, "named twice".into(), "one column of each kind".into());
         table.column(wanted).map_err(twice)
     };
-    let (key_at, note_at) = (at(&["key", "key_number", "number", "nr", "no"])?, at(&["note"])?);
+    let (key_at, note_at) = (at(&KEY_NAMES)?, at(&["note"])?);
     let leads_at = at(&["leads"])?;
     if key_at.is_none() && note_at.is_none() {
         return Err(fault(header_line, "", "no column says which key a row is of".into(), expected_header()));

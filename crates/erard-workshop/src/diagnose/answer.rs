@@ -72,7 +72,7 @@ impl Diagnosis {
         })
     }
 
-    /// What comes before the weights that a cause changes are weighed again, in words: easing above [`WEIGH_AGAIN_G`] of
+    /// What comes before the weights that a cause changes, which are then weighed again: easing above [`WEIGH_AGAIN_G`] of
     /// friction, or the regulation that is named; `None` for friction and regulation themselves.
     #[must_use]
     pub fn weigh_first(&self, ranked: &Ranked) -> Option<&'static str> {
@@ -134,6 +134,47 @@ impl Diagnosis {
     }
 }
 
+/// Cause that is named at most of the keys of a piano with work: it is one, and looked for once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Common {
+    /// The cause.
+    pub cause: &'static Cause,
+    /// Keys at which it is named.
+    pub keys: Vec<usize>,
+    /// Number of keys with work.
+    pub of: usize,
+}
+
+/// Fewest keys of a common cause.
+const COMMON_KEYS: usize = 3;
+
+/// Returns the cause that is named at three keys and at half of those with work; `None` without one.
+#[must_use]
+pub fn common(found: &[Diagnosis]) -> Option<Common> {
+    let of = found.iter().filter(|one| one.is_work()).count();
+    let at = |cause: &'static Cause| -> Vec<usize> {
+        let named = |one: &&Diagnosis| one.causes.iter().any(|ranked| ranked.cause == cause);
+        found.iter().filter(named).map(|one| one.key).collect()
+    };
+    let most = super::cause::causes().iter().map(|cause| (cause, at(cause))).max_by_key(|(_, keys)| keys.len());
+    let (cause, keys) = most.filter(|(_, keys)| keys.len() >= COMMON_KEYS && 2 * keys.len() >= of)?;
+    Some(Common { cause, keys, of })
+}
+
+impl Common {
+    /// Returns the sentence.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let Common { cause, keys, of } = self;
+        format!(
+            "{} of {of} keys with work say the same, so that the cause is one: {}. {}",
+            keys.len(),
+            cause.name,
+            "Mend it on sample keys first, then measure all keys again."
+        )
+    }
+}
+
 /// Returns the answers as JSON for programs and pages: `diagnosis.json`. `readings_from` is the file of the readings;
 /// `is_key_assumed` states that no key was given, so that the usual ranges of an assumed key are used.
 #[must_use]
@@ -142,6 +183,7 @@ pub fn answer(found: &[Diagnosis], readings_from: Option<&str>, is_key_assumed: 
         "readings_from": readings_from,
         "is_key_assumed": is_key_assumed,
         "rests_on": BASIS,
+        "common": common(found).map(|one| json!({"cause": one.cause.key, "name": one.cause.name, "keys": one.keys, "of": one.of})),
         "keys": found.iter().map(of_key).collect::<Vec<_>>(),
     })
 }

@@ -83,8 +83,8 @@ pub(super) fn friction_of_swings(swings: f64, strike_weight_g: f64) -> [f64; 2] 
         let fits: Vec<f64> = grid.filter(|g| (f64::from(passes(*g, strike_weight_g)) - passes_).abs() < 0.5).collect();
         fits.first().copied().zip(fits.last().copied())
     };
-    // The count may be off by one swing, and the pendulum model by a quarter; a flange that still moves has no more than
-    // a heavy case of the table.
+    // The count may be off by one swing, and the pendulum model by a quarter; a flange that still moves has no more
+    // than a heavy case of the table.
     let low = of((swings + 1.0).min(f64::from(MAX_SWINGS))).map_or(STEP_G, |(low, _)| low);
     let high = of((swings - 1.0).max(0.0)).map_or(MOST_G, |(_, high)| high);
     [0.75 * low, (1.25 * high).min(MOST_G)]

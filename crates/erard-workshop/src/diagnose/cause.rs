@@ -148,26 +148,3 @@ pub fn causes() -> &'static [Cause] {
 pub fn looks() -> &'static [Look] {
     &TABLE.look
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diagnose::effect::FEATURES;
-
-    /// Every reading that the table names can be entered, and friction comes before leverage before hammers and leads.
-    #[test]
-    fn the_table_is_whole() {
-        for line in causes().iter().filter_map(|cause| cause.beyond.as_ref()) {
-            assert!(FEATURES.contains(&line.line.as_str()), "{line:?}");
-            assert!(line.loose.as_ref().is_none_or(|loose| FEATURES.contains(&loose.as_str())), "{line:?}");
-        }
-        let order = |start: &str| {
-            let of = causes().iter().filter(|cause| cause.key.starts_with(start) || cause.key.ends_with(start));
-            let places: Vec<u32> = of.map(|cause| cause.order).collect();
-            assert!(places.windows(2).all(|pair| pair[0] == pair[1]) && !places.is_empty(), "{start}: {places:?}");
-            places[0]
-        };
-        let steps = ["_friction", "dip_", "let_off_", "drop_", "spring_", "ratio_", "leads_"].map(order);
-        assert!(steps.is_sorted() && order("_heavy") > order("ratio_"), "{steps:?}");
-    }
-}

@@ -6,12 +6,12 @@ use erard::parameter::{NumberError, Quantity as Physical};
 
 use super::bench::Bench;
 use crate::balance::{BALANCE_LIMITS_G, FRICTION_LIMITS_G, Lead, WeightReadings};
-use crate::measure::usual::usual;
+use crate::measure::usual::{ratio_range, usual};
 use crate::worklist::{ReadingQuantity, Readings};
 use erard::parameter::canonical_name;
 
 /// Number of entries.
-pub(super) const ENTRIES: usize = 21;
+pub(super) const ENTRIES: usize = 22;
 
 /// Quantity that can be measured on a real key.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -275,6 +275,16 @@ const TABLE: [Entry; ENTRIES] = [
         3,
         "balance pin to capstan over balance pin to the place where the key is pressed",
     ),
+    entry(
+        "lost_motion_mm",
+        "lost motion",
+        "mm",
+        &["lost_motion"],
+        [0.0, 5.0],
+        0.1,
+        1,
+        "key travel before the hammer moves, by strips under the key's front or by eye",
+    ),
 ];
 
 /// Weights that may be read instead of down-weight and up-weight, which follow from them.
@@ -300,14 +310,6 @@ const INSTEAD: [Entry; 2] = [
         "(D - U) / 2, instead of the down-weight or the up-weight",
     ),
 ];
-
-/// Ratio of a sharp over that of the naturals beside it: 1.07 to 1.10 in published tables.
-const SHARP: f64 = 1.085;
-
-/// Factor of the usual ratio at a key: a sharp is shorter than a natural.
-pub(super) fn ratio_factor(key: usize) -> f64 {
-    if is_sharp(key) { SHARP } else { 1.0 }
-}
 
 /// Range at a key beyond which a reading is a fault, open ends infinite; `None` if there is none.
 pub(super) fn usual_range(line: &str, key: usize) -> Option<[f64; 2]> {
@@ -371,13 +373,15 @@ impl Entry {
             "whippen_flange_g" => return Some([f64::NEG_INFINITY, 4.0]),
             // "4 - 8 times" (Pianotech list, December 2002), "4 - 7" and "5 to 9" (Caut list).
             "hammer_swings" => return Some([4.0, 9.0]),
+            // A strip of paper or two: our own.
+            "lost_motion_mm" => return Some([f64::NEG_INFINITY, 0.5]),
             // Stanwood (Pianotech list, December 2003): above 6 g is high; little is no fault.
             "key_alone_friction_g" => return Some([f64::NEG_INFINITY, 6.0]),
             _ => {}
         }
         let range = usual_range(line, key);
         match self.name {
-            "strike_weight_ratio" => range.map(|ends| ends.map(|end| end * ratio_factor(key))),
+            "strike_weight_ratio" => Some(ratio_range(key)),
             // They follow from balance weight and friction weight: D = BW + F, U = BW - F.
             "down_weight_g" | "up_weight_g" => {
                 let [b_low, b_high] = usual_range("balance_weight_g", key)?;

@@ -5,8 +5,8 @@
 
 use super::cause::causes;
 use super::effect::{BALANCE, FEATURES, FRICTION, N, effects};
-use super::entry::{at, entries, ratio_factor};
-use crate::measure::usual::usual;
+use super::entry::{at, entries};
+use crate::measure::usual::{ratio_factor, usual};
 
 /// Mean and covariance of the features of sound keys.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,8 +10,8 @@ use crate::measure::MeasureError;
 use crate::regulate::KnownScrew;
 use crate::worklist::Work;
 
-/// Returns the amount of a cause in a case: 1 is the light one of `causes.toml`, 2 the plain one, 3 the heavy one, 4 the
-/// largest that is met, with linear interpolation between them. The unit is that of `amounts` there.
+/// Returns the amount of a cause in a case: 1 is the light one of `causes.toml`, 2 the plain one, 3 the heavy one, 4
+/// the largest that is met, with linear interpolation between them. The unit is that of `amounts` there.
 #[must_use]
 pub fn injected_amount(cause: &Cause, case: f64) -> f64 {
     let [light, plain, heavy] = cause.amounts;

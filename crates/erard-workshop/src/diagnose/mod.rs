@@ -23,7 +23,7 @@ mod report;
 mod table;
 mod typed;
 
-pub use answer::{BASIS, answer, explained_as, faults, form, joined};
+pub use answer::{BASIS, Common, answer, common, explained_as, faults, form, joined};
 pub use bench::{Bench, passes};
 pub use cause::{Cause, Look, causes, looks};
 pub use effect::{check_effects, effects_csv};
@@ -31,5 +31,5 @@ pub use entry::{Entry, Impossible, Known, entries, readings};
 pub use geometry::{Band, Geometry};
 pub use inject::{inject, injected_amount};
 pub use report::{Diagnosis, Judged, Ranked, Standing, Suggestion, WEIGH_AGAIN_G, diagnose};
-pub use table::{is_table_of_keys, read};
+pub use table::{is_table_of_keys, read, unused_columns};
 pub use typed::Typed;

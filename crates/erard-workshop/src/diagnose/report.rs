@@ -107,8 +107,8 @@ pub struct Diagnosis {
     pub key: usize,
     /// The readings in the order of the sheet, with balance weight, friction weight and leverage derived from them.
     pub lines: Vec<Judged>,
-    /// Named causes, two at most, each more likely than not, in the trade's order of work; empty if no reading is out of
-    /// its range by more than its error, or if the readings decide nothing.
+    /// Named causes, two at most, each more likely than not, in the trade's order of work; empty if no reading is out
+    /// of its range by more than its error, or if the readings decide nothing.
     pub causes: Vec<Ranked>,
     /// Causes that these readings make more likely and do not separate, the likeliest first.
     pub undecided: Vec<Ranked>,

@@ -55,6 +55,14 @@ pub fn read(text: &str, file: &str) -> Result<Vec<(usize, Known)>, MeasuredError
     Ok(keys)
 }
 
+/// Returns the names of the columns of a table that [`read`] does not use, in lower case; empty for a text that is no
+/// table.
+#[must_use]
+pub fn unused_columns(text: &str, file: &str) -> Vec<String> {
+    let is_known = |name: &str| readings().any(|entry| entry.is_called(name));
+    rows_of_keys(text, file, "key").map_or(Vec::new(), |table| table.unused(is_known))
+}
+
 /// Whether the header of a text is that of a table of keys: it names a key or a note, and no time, as strokes do.
 #[must_use]
 pub fn is_table_of_keys(text: &str) -> bool {
@@ -124,6 +132,9 @@ mod tests {
         assert_eq!((*key, keys[1].0, known.friction_g(), known.get("let_off_mm")), (40, 41, Some(20.0), Some(3.5)));
         assert!(known.is_not_caught && known.get("repetition_spring_m_per_s") == Some(0.1) && known.leads.len() == 1);
         assert_eq!((known.get("whippen_weight_g"), keys[1].1.get("up_weight_g")), (Some(18.2), None));
+        assert!(unused_columns(text, "a.csv").is_empty());
+        assert_eq!(unused_columns("N,BW,F,colour\n40,38,12,red\n", "a.csv"), ["colour"]);
+        assert_eq!(read("N,BW,F\n40,38,12\n", "a.csv").unwrap()[0].1.friction_g(), Some(12.0));
     }
 
     /// A stroke is no table of keys, though its key's position may be called `key`.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use erard::instrument::from_toml::from_toml;
+use erard::keyboard::is_sharp;
 use serde::Deserialize;
 
 /// The built-in table.
@@ -64,6 +65,22 @@ struct Table {
 #[must_use]
 pub(crate) fn usual(key: &str) -> Option<&'static UsualRange> {
     TABLE.get(key)
+}
+
+/// Ratio of a sharp over that of the naturals beside it: 1.07 to 1.10 in published tables.
+const SHARP: f64 = 1.085;
+
+/// Factor of the usual ratio at a key: a sharp is shorter than a natural.
+#[must_use]
+pub(crate) fn ratio_factor(key: usize) -> f64 {
+    if is_sharp(key) { SHARP } else { 1.0 }
+}
+
+/// Ratios of a key beyond which it is a fault, from low to high.
+#[must_use]
+pub(crate) fn ratio_range(key: usize) -> [f64; 2] {
+    let [low, high] = usual("strike_weight_ratio_weights").map_or([None; 2], |range| range.faults(key));
+    [low.unwrap_or(0.0), high.unwrap_or(f64::INFINITY)].map(|end| end * ratio_factor(key))
 }
 
 /// All keys with a usual range.

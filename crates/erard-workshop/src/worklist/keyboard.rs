@@ -10,13 +10,19 @@ use super::hand::Work;
 use super::list::Why;
 use super::readings::ReadingQuantity;
 use super::weights::{balance_for, best_friction_g, friction_change_g};
-use crate::balance::{BalancedKey, KeyModel, LEAST_BALANCE_G, MeasuredKey, Plan, Target, median, plan};
-use crate::measure::usual::usual;
+use crate::balance::{
+    BalancedKey, KeyModel, LEAST_BALANCE_G, MOST_CAPSTAN_MM, MeasuredKey, Plan, Target, median, plan,
+};
+use crate::measure::usual::{ratio_factor, ratio_range, usual};
 
-use ReadingQuantity::FrictionWeight;
+use ReadingQuantity::{FrictionWeight, Ratio};
 
 /// Fewest keys for a median balance weight.
 const FEWEST: usize = 4;
+/// Fewest keys with one cause.
+const COMMON_KEYS: usize = 3;
+/// Ends of the ideal ratio: Stanwood 1995.
+const IDEAL_RATIO: [f64; 2] = [5.5, 5.75];
 /// Balance weight at which the trade aims, g: Love 38 to 40 (CAUT list), Stanwood 38.
 const TRADE_G: f64 = 38.0;
 /// Last keys of the string sections except the highest: an estimate for a concert grand. Every piano has its own.
@@ -82,6 +88,23 @@ pub struct KeyLine {
     pub after: Weights,
 }
 
+/// Leverage that is out of its range at most of the keys: one cause of the whole keyboard.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Leverage {
+    /// Keys whose ratio is out on this side.
+    pub keys: Vec<usize>,
+    /// Number of keys whose ratio follows from their own weights.
+    pub of: usize,
+    /// Smallest and largest of these ratios.
+    pub ratios: [f64; 2],
+    /// Ratio to aim at, of naturals.
+    pub aim: f64,
+    /// Move of the capstan line toward the player, mm: the median over the keys, no more than is possible.
+    pub capstan_move_mm: f64,
+    /// Median ratio of the keys after it, sharps as naturals.
+    pub reaches: f64,
+}
+
 /// Work list of a keyboard.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -90,6 +113,8 @@ pub struct KeyboardList {
     pub plan: Plan,
     /// Source of the plan's target balance weight.
     pub aim_from: AimFrom,
+    /// Leverage, before hammers and leads; `None` if it is usual, or known at too few keys.
+    pub leverage: Option<Leverage>,
     /// The lines, in the order of work.
     pub lines: Vec<KeyLine>,
     /// Keys with a quantity that stays off its target or out of range, and the reason.
@@ -129,6 +154,8 @@ fn beyond_g(key: &BalancedKey) -> Option<f64> {
 pub struct KeyboardGoal {
     /// Balance weight of every key, g; `None`: see [`AimFrom`].
     pub balance_weight_g: Option<f64>,
+    /// Ratio of the naturals; `None`: the upper end of the ideal, if the ratio is out of its range.
+    pub ratio: Option<f64>,
     /// Target inertia as in [`Target`], kg.
     pub inertia_kg: Option<f64>,
     /// Whether hammers are weighed first, as in [`Target`].
@@ -150,6 +177,8 @@ pub fn keyboard_list(measured: &[MeasuredKey], models: &[KeyModel; KEYS], goal: 
     let target = Target { balance_weight_g, inertia_kg: goal.inertia_kg, hammers: goal.hammers };
     let plan = plan(measured, models, target, &goal.leads_g);
     let (mut lines, mut left) = (Vec::new(), Vec::new());
+    let leverage = leverage(&plan, goal.ratio);
+    let waits = |key: &BalancedKey| leverage.as_ref().is_some_and(|out| out.keys.contains(&key.measured.key));
     for key in &plan.keys {
         let of_key = lines_of(key);
         if KeyboardList::is_friction_out(key) {
@@ -159,6 +188,12 @@ pub fn keyboard_list(measured: &[MeasuredKey], models: &[KeyModel; KEYS], goal: 
             lines.extend(of_key.into_iter().filter(|line| line.operation == Operation::Friction));
             continue;
         }
+        if waits(key) {
+            if !of_key.is_empty() || key.is_at_ceiling {
+                left.push((key.measured.key, Why::Leverage));
+            }
+            continue;
+        }
         if key.is_at_ceiling {
             left.push((key.measured.key, Why::Ceiling));
         }
@@ -166,7 +201,51 @@ pub fn keyboard_list(measured: &[MeasuredKey], models: &[KeyModel; KEYS], goal: 
     }
     samples(&mut lines, &goal.section_ends);
     lines.sort_by_key(|line| (line.operation, !line.is_sample, line.key));
-    Some(KeyboardList { plan, aim_from, lines, left })
+    Some(KeyboardList { plan, aim_from, leverage, lines, left })
+}
+
+/// Leverage of a keyboard whose ratio is out of its range, or off a requested one, at three keys and half of those
+/// where it is known.
+fn leverage(plan: &Plan, asked: Option<f64>) -> Option<Leverage> {
+    let own = |key: &&BalancedKey| {
+        let weighed = &key.measured;
+        weighed.front_weight_g.is_some() && weighed.strike_weight_g.is_some() && weighed.balance_weight_g().is_some()
+    };
+    let known: Vec<(&BalancedKey, f64)> =
+        plan.keys.iter().filter(own).filter_map(|key| Some((key, key.ratio?))).collect();
+    let side = |key: &BalancedKey, ratio: f64| {
+        let [low, high] = match asked {
+            Some(aim) => [aim * ratio_factor(key.measured.key); 2],
+            None => ratio_range(key.measured.key),
+        };
+        if ratio > high + Ratio.precision() {
+            1
+        } else if ratio < low - Ratio.precision() {
+            -1
+        } else {
+            0
+        }
+    };
+    let of_side = |wanted: i32| -> Vec<(&BalancedKey, f64)> {
+        known.iter().filter(|(key, ratio)| side(key, *ratio) == wanted).copied().collect()
+    };
+    let out = [1, -1].map(of_side).into_iter().max_by_key(Vec::len)?;
+    if out.len() < COMMON_KEYS || 2 * out.len() < known.len() {
+        return None;
+    }
+    let aim = asked.unwrap_or(if side(out[0].0, out[0].1) > 0 { IDEAL_RATIO[1] } else { IDEAL_RATIO[0] });
+    let middle = |of: &dyn Fn(&BalancedKey, f64) -> f64| {
+        median(&out.iter().map(|(key, ratio)| of(key, *ratio)).collect::<Vec<_>>())
+    };
+    let of_natural = |key: &BalancedKey, ratio: f64| ratio / ratio_factor(key.measured.key);
+    let wanted_mm = middle(&|key: &BalancedKey, ratio: f64| key.model.capstan_move_mm(aim / of_natural(key, ratio)))?;
+    let capstan_move_mm = wanted_mm.clamp(-MOST_CAPSTAN_MM, MOST_CAPSTAN_MM);
+    let reaches =
+        middle(&|key: &BalancedKey, ratio: f64| of_natural(key, ratio) * key.model.capstan_factor(capstan_move_mm))?;
+    let ratios = out.iter().map(|(_, ratio)| *ratio);
+    let ends = [ratios.clone().fold(f64::INFINITY, f64::min), ratios.fold(f64::NEG_INFINITY, f64::max)];
+    let keys = out.iter().map(|(key, _)| key.measured.key).collect();
+    Some(Leverage { keys, of: known.len(), ratios: ends, aim, capstan_move_mm, reaches })
 }
 
 /// Returns the default target balance weight, g. Each key allows those for which D, U and balance weight are all usual
@@ -258,7 +337,7 @@ mod tests {
 
     fn goal(balance_weight_g: Option<f64>) -> KeyboardGoal {
         let (leads_g, section_ends) = (LEADS_G.to_vec(), SECTION_ENDS.to_vec());
-        KeyboardGoal { balance_weight_g, inertia_kg: None, hammers: false, leads_g, section_ends }
+        KeyboardGoal { balance_weight_g, ratio: None, inertia_kg: None, hammers: false, leads_g, section_ends }
     }
 
     fn weighed(key: usize, down_g: f64, up_g: f64) -> MeasuredKey {
@@ -290,7 +369,9 @@ mod tests {
         let mut keys: Vec<MeasuredKey> = (1..=88).map(|key| weighed(key, 53.0, 31.0)).collect();
         for key in &mut keys {
             let x = key.key as f64;
-            (key.strike_weight_g, key.front_weight_g) = (Some(10.5 - 0.06 * x), Some(2.0));
+            // Front weights with which the ratio is 5.6.
+            let strike_g = 10.5 - 0.06 * x;
+            (key.strike_weight_g, key.front_weight_g) = (Some(strike_g), Some(9.9 + 5.6 * strike_g - 42.0));
             if (30..=34).contains(&key.key) {
                 (key.down_weight_g, key.up_weight_g) = (Some(62.0), Some(22.0));
             }
@@ -301,8 +382,7 @@ mod tests {
         let keys_of = |operation| of(operation).map(|line| line.key).collect::<Vec<_>>();
         assert_eq!(keys_of(Operation::Friction), [30, 34, 31, 32, 33]);
         assert_eq!(keys_of(Operation::Hammers), [60]);
-        // The ceiling of key 88 leaves less than a hand can weigh.
-        assert_eq!(&keys_of(Operation::Leads)[..8], &[1, 20, 21, 50, 51, 70, 71, 87]);
+        assert_eq!(&keys_of(Operation::Leads)[..8], &[1, 20, 21, 50, 51, 70, 71, 88]);
         // A gram of hammer is R grams at the key; the leads do the rest.
         let hammer = of(Operation::Hammers).next().unwrap();
         assert!((hammer.work.amount() + 1.0).abs() < 1e-9, "{hammer:?}");
@@ -346,6 +426,35 @@ mod tests {
         let list = keyboard_list(&[full], &MODELS, &goal(Some(38.0))).unwrap();
         assert!(list.lines.is_empty(), "{list:?}");
         assert_eq!(list.left, [(40, Why::Ceiling)]);
+    }
+
+    /// Keys of a published piano (CAUT list, October 2004: C4 is D 65, U 41, FW 25, SW 9.8) say the same thing: the capstan line, and no lead. One such key among others is that key's.
+    #[test]
+    fn one_leverage_for_the_keyboard() {
+        let heavy = |key: usize, [down_g, up_g, front_g, strike_g]: [f64; 4]| MeasuredKey {
+            front_weight_g: Some(front_g),
+            strike_weight_g: Some(strike_g),
+            ..weighed(key, down_g, up_g)
+        };
+        let keys = [
+            heavy(28, [64.0, 43.0, 25.6, 10.1]),
+            heavy(40, [65.0, 41.0, 25.0, 9.8]),
+            heavy(41, [63.0, 41.0, 26.9, 9.7]),
+            heavy(52, [57.0, 36.0, 24.2, 8.9]),
+            heavy(64, [58.0, 39.0, 15.6, 8.2]),
+        ];
+        let list = keyboard_list(&keys, &MODELS, &goal(None)).unwrap();
+        let leverage = list.leverage.as_ref().unwrap();
+        assert_eq!((leverage.keys.len(), leverage.of), (5, 5));
+        assert!(leverage.capstan_move_mm > 5.0 && leverage.capstan_move_mm <= MOST_CAPSTAN_MM, "{leverage:?}");
+        assert!(leverage.reaches >= leverage.aim - 1e-9 && leverage.reaches < 6.06, "{leverage:?}");
+        assert!(list.lines.is_empty() && list.left.iter().all(|(_, why)| *why == Why::Leverage), "{list:?}");
+        // A ratio that is asked for is aimed at.
+        let list = keyboard_list(&keys, &MODELS, &KeyboardGoal { ratio: Some(6.5), ..goal(None) }).unwrap();
+        let asked = list.leverage.unwrap();
+        assert!(asked.aim == 6.5 && asked.capstan_move_mm < leverage.capstan_move_mm, "{asked:?}");
+        let one = keyboard_list(&keys[..1], &MODELS, &goal(None)).unwrap();
+        assert!(one.leverage.is_none() && !one.lines.is_empty(), "{one:?}");
     }
 
     /// Present leads move; if they are unknown, none is put behind the pin to take weight away.

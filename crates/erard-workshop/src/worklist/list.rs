@@ -76,6 +76,8 @@ pub enum Why {
     NoBalance,
     /// The front weight is at its ceiling.
     Ceiling,
+    /// The leverage of the keyboard must come right first.
+    Leverage,
     /// The quantity follows from other lines, which are in range or are left.
     Follows,
 }

@@ -24,7 +24,9 @@ mod weights;
 mod written;
 
 pub use hand::Work;
-pub use keyboard::{AimFrom, KeyLine, KeyboardGoal, KeyboardList, Operation, SECTION_ENDS, Weights, keyboard_list};
+pub use keyboard::{
+    AimFrom, KeyLine, KeyboardGoal, KeyboardList, Leverage, Operation, SECTION_ENDS, Weights, keyboard_list,
+};
 pub use keyboard_copy::carry_out;
 pub use list::{Item, Left, Why, Worklist};
 pub use plan::worklist;

@@ -85,7 +85,7 @@ pub(super) fn friction_change_g(friction_g: f64, aim_g: f64, key: usize) -> f64 
 mod tests {
     use super::*;
 
-    /// At middle C, by hand: B from 34 to 40, F from 9 to 12.5 g, and D and U follow: every such pair has usual D and U,
+    /// At middle C, by hand: B from 34 to 40, F from 9 to 12.5 g, and D and U follow: every pair has usual D and U,
     /// 37 g has 3 g to either end, and the best friction is the middle of its range.
     #[test]
     fn middle_c_by_hand() {
@@ -98,8 +98,8 @@ mod tests {
         assert!(balance_for(7.0, 40).margin_g < 3.0);
     }
 
-    /// With the weights on the key friction comes to its target, by no less than they show. A balance weight that no lead
-    /// can bring down keeps the usual friction.
+    /// With the weights on the key friction comes to its target, by no less than they show. A balance weight that no
+    /// lead can bring down keeps the usual friction.
     #[test]
     fn friction_by_the_weights() {
         let near = |found: f64, expected: f64| assert!((found - expected).abs() < 0.05, "{found} {expected}");

@@ -97,6 +97,7 @@ mod nightly {
         let models: [KeyModel; KEYS] = std::array::from_fn(|at| KeyModel::of(&grand.key(at + 1).unwrap()).unwrap());
         let goal = KeyboardGoal {
             balance_weight_g: None,
+            ratio: None,
             inertia_kg: None,
             hammers: false,
             leads_g: LEADS_G.to_vec(),
