@@ -131,7 +131,7 @@ export const diagnosePanel = (app: App, into: HTMLElement): void => {
       } else {
         const [one] = told.answer.keys;
         sheet.replaceChildren(...sheetOf(one!, told.answer, HEAD.map((name): [string, string] => [name, head.get(name)!.value.trim()]).filter(([, text]) => text), (name) => inputs.get(name)!.field.how));
-        say(one!.is_work ? `${one!.causes.length} causes, the likeliest: ${one!.causes[0]?.name ?? "none"}.` : one!.verdict);
+        say(one!.causes.length ? `${one!.causes.length === 1 ? "1 cause" : `${one!.causes.length} causes`}: ${one!.causes.map(({ name }) => name).join("; ")}.` : one!.verdict);
         await ranges(one!.key);
       }
       sheet.classList.remove("waiting");

@@ -15,9 +15,10 @@ Reading = Union[float, str, None]
 class Diagnosis(Values):
     """Diagnosis of a key: a mapping with the keys of diagnosis.json, shown as text.
 
-    `self["causes"]` is a list, the likeliest first, each with "name", "probability", "test" and "cure"; `self["to_do"]`
-    lists the work in order, `self["measure_next"]` names the most informative next measurement, `self["readings"]`
-    compares each reading with its usual range.
+    `self["causes"]` lists two causes at most, each more likely than not, in the order of work, with "name",
+    "probability", "test" and "cure"; `self["undecided"]` those that the readings leave open; `self["to_do"]` lists the
+    work in order, `self["measure_next"]` names the most informative next measurement, `self["readings"]` compares each
+    reading with its usual range.
 
     Attributes
     ----------
@@ -33,7 +34,8 @@ class Diagnosis(Values):
         (self._values,) = answer["keys"]
 
     def _causes(self) -> list[tuple[str, str, str]]:
-        return [(cause["name"], f"{cause['probability']:.0%}", cause["test"]) for cause in self["causes"]]
+        told = [*self["causes"], *self["undecided"]]
+        return [(cause["name"], f"{cause['probability']:.0%}", cause["test"]) for cause in told]
 
     def __repr__(self) -> str:
         causes = [f"  {share:>4}  {name}\n        test: {test}" for name, share, test in self._causes()]
@@ -74,8 +76,8 @@ def diagnose(*, key: int | str | None = None, leads: str | None = None, **readin
     --------
     >>> import erard
     >>> found = erard.diagnose(key="C4", down_weight_g=58, up_weight_g=18)
-    >>> found["is_work"], len(found["causes"]) > 2
-    (True, True)
+    >>> found["is_work"], len(found["causes"]) <= 2, len(found["undecided"]) > 2
+    (True, True, True)
     """
     given = {name: value if value is None or isinstance(value, str) else float(value) for name, value in readings.items()}
     answer = json.loads(_erard.diagnose(json.dumps({"key": key, "leads": leads, **given})))
