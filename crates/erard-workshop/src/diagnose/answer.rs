@@ -72,7 +72,7 @@ impl Diagnosis {
         })
     }
 
-    /// What comes before the weights that a cause changes, which are then weighed again: easing above [`WEIGH_AGAIN_G`] of
+    /// What comes first where a cause changes weights, which are then weighed again: easing above [`WEIGH_AGAIN_G`] of
     /// friction, or the regulation that is named; `None` for friction and regulation themselves.
     #[must_use]
     pub fn weigh_first(&self, ranked: &Ranked) -> Option<&'static str> {

@@ -428,7 +428,8 @@ mod tests {
         assert_eq!(list.left, [(40, Why::Ceiling)]);
     }
 
-    /// Keys of a published piano (CAUT list, October 2004: C4 is D 65, U 41, FW 25, SW 9.8) say the same thing: the capstan line, and no lead. One such key among others is that key's.
+    /// Keys of a published piano (CAUT list, October 2004: C4 is D 65, U 41, FW 25, SW 9.8) say the same thing: the
+    /// capstan line, and no lead. One such key among others is that key's.
     #[test]
     fn one_leverage_for_the_keyboard() {
         let heavy = |key: usize, [down_g, up_g, front_g, strike_g]: [f64; 4]| MeasuredKey {
