@@ -152,6 +152,12 @@ def test_a_diagnosis() -> None:
     # Balance weight and friction weight instead of down-weight and up-weight.
     same = erard.diagnose(key="C4", bw=38, friction_weight_g="20 g", let_off_mm=None)
     assert same["readings"] == found["readings"] and same["undecided"] == found["undecided"]
+    # Conditions of the weighing, in words or as truth values; a damper in the weights is refused.
+    assert erard.diagnose(down_weight_g=50, up_weight_g=25, measured_at_mm=0)["readings"][0]["value"] == 52.6
+    alone = erard.diagnose(down_weight_g=9, up_weight_g=3, stack_on=False)
+    assert [line["name"] for line in alone["readings"]] == ["key_alone_friction_g"]
+    with pytest.raises(erard.InputError, match="with the pedal down"):
+        erard.diagnose(down_weight_g=60, dampers_lifted="no")
     with pytest.raises(erard.InputError, match="expected 38 g, which follows from these"):
         erard.diagnose(down_weight_g=58, up_weight_g=18, balance_weight_g=30)
     with pytest.raises(erard.InputError) as error:

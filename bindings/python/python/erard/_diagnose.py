@@ -9,7 +9,7 @@ from typing import Any, Union
 from . import _erard
 from ._common import Values
 
-Reading = Union[float, str, None]
+Reading = Union[float, str, bool, None]
 
 
 class Diagnosis(Values):
@@ -57,10 +57,11 @@ def diagnose(*, key: int | str | None = None, leads: str | None = None, **readin
         Key, 1 to 88, or its note; by default C4 is assumed.
     leads : str
         Leads in the key, grams at millimetres in front of the balance pin: "14@165, 14@147".
-    **readings : float or str
+    **readings : float, str or bool
         Readings by the names of the command's options: `down_weight_g=58`, `up_weight_g=18`, `let_off="3.5 mm"`. A
         number is in the unit at the end of the name; `None` means not measured. `balance_weight_g` and
-        `friction_weight_g` (`bw`, `f`) may replace one or both of down-weight and up-weight.
+        `friction_weight_g` (`bw`, `f`) may replace one or both of down-weight and up-weight. `measured_at_mm`, `tapped`,
+        `dampers_lifted` and `stack_on` (yes or no, or a bool) are the conditions under which the key was weighed.
 
     Returns
     -------
@@ -79,6 +80,6 @@ def diagnose(*, key: int | str | None = None, leads: str | None = None, **readin
     >>> found["is_work"], len(found["causes"]) <= 2, len(found["undecided"]) > 2
     (True, True, True)
     """
-    given = {name: value if value is None or isinstance(value, str) else float(value) for name, value in readings.items()}
+    given = {name: value if value is None or isinstance(value, (bool, str)) else float(value) for name, value in readings.items()}
     answer = json.loads(_erard.diagnose(json.dumps({"key": key, "leads": leads, **given})))
     return Diagnosis(answer)

@@ -11,24 +11,31 @@ use crate::print_line;
 use crate::session::Session;
 use crate::table::Table;
 
-/// Cases to be run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Which {
-    /// All cases.
-    All,
-    /// Those that were looked at while the ranking was changed.
-    Choose,
-    /// Those that were not.
-    Judge,
+/// Cases to be run: `all`, `choose`, `judge`, or names of cases.
+#[derive(Debug, Clone)]
+pub(crate) struct Which(Vec<String>);
+
+/// Reads names with commas.
+pub(crate) fn which(text: &str) -> Result<Which, String> {
+    let cases = Cases::builtin().cases;
+    let names: Vec<String> = text.split(',').map(|name| name.trim().to_owned()).collect();
+    let is_known = |name: &String| cases.iter().any(|case| is_called(case, name));
+    if let Some(name) = names.iter().find(|name| !is_known(name)) {
+        let known: Vec<&str> = cases.iter().map(|case| &*case.name).collect();
+        return Err(format!(
+            "found `{name}`; expected `all`, `choose`, `judge`, or names with commas out of {}",
+            known.join(", ")
+        ));
+    }
+    Ok(Which(names))
 }
 
-impl Which {
-    fn holds(self, used: CaseUse) -> bool {
-        match self {
-            Which::All => true,
-            Which::Choose => used == CaseUse::Choose,
-            Which::Judge => used == CaseUse::Judge,
-        }
+fn is_called(case: &Case, name: &str) -> bool {
+    match name {
+        "all" => true,
+        "choose" => case.used == CaseUse::Choose,
+        "judge" => case.used == CaseUse::Judge,
+        name => case.name == name,
     }
 }
 
@@ -91,11 +98,11 @@ struct Report<'a> {
 pub(crate) fn run(
     session: &mut Session,
     out: &OutOptions,
-    which: Which,
+    Which(names): &Which,
     fail_on_miss: bool,
 ) -> Result<Answer, Failure> {
     let table = Cases::builtin();
-    let cases: Vec<&Case> = table.cases.iter().filter(|case| which.holds(case.used)).collect();
+    let cases: Vec<&Case> = table.cases.iter().filter(|case| names.iter().any(|name| is_called(case, name))).collect();
     let mut output = out.prepare(session, "validate", &["cases.json", "cases.csv"])?;
     let mut results: Vec<(&Case, CaseResult)> = Vec::new();
     let mut progress = session.progress("diagnosing");

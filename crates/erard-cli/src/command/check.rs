@@ -8,7 +8,7 @@ use erard::keyboard::{Graded, Grading, KEYS, Keyboard};
 use erard_kinematics::{Design, LinkageFile};
 use erard_workshop::diagnose::{entries, is_table_of_keys, read as readings};
 use erard_workshop::measure::usual;
-use erard_workshop::validate::Published;
+use erard_workshop::validate::{Cases, Published};
 use serde_json::{Value, json};
 
 use super::check_recording::told;
@@ -28,8 +28,8 @@ use erard_workshop::test_press::test_presses;
 /// Bytes in which the header of a table of keys is looked for, comments before it included.
 const HEADER_BYTES: u64 = 64 << 10;
 
-/// Checks a file and shows its contents: instrument, keyboard, linkage, stroke, recording, published measurements, or
-/// result.
+/// Checks a file and shows its contents: instrument, keyboard, linkage, stroke, recording, published measurements or
+/// pianos, or result.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
     /// File, or a built-in name: `.toml` for instruments, keyboards, linkages and measurements, `.csv` or `.parquet`
@@ -96,6 +96,8 @@ impl Check {
             Self::published(session, name, &text)
         } else if is("erard-usual") {
             Self::usual(session, name, &text)
+        } else if is("erard-cases") {
+            Self::cases(session, name, &text)
         } else if says("format").is_none() && says("kind").is_some_and(|kind| kind == "three-lever") {
             let file = LinkageFile::parse_bytes(bytes, name)?;
             let design = file.design().map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
@@ -121,6 +123,15 @@ impl Check {
         print_line!(session, "  {} rows from {} sources; {silent} not modelled", table.rows.len(), table.sources.len());
         let counts = [("rows", table.rows.len()), ("sources", table.sources.len())];
         Ok(checked("published measurements", name, None, counts))
+    }
+
+    fn cases(session: &mut Session, name: &str, text: &str) -> Result<Value, Failure> {
+        let cases = Cases::parse(text).map_err(|error| Failure::Usage(format!("{name}: {error}")))?.cases;
+        let keys = cases.iter().map(|case| case.keys.len()).sum();
+        print_line!(session, "{name}: published pianos");
+        print_line!(session);
+        print_line!(session, "  {} cases, {keys} keys", cases.len());
+        Ok(checked("published pianos", name, None, [("cases", cases.len()), ("keys", keys)]))
     }
 
     /// What this program writes, and its schemas.

@@ -7,7 +7,7 @@ use erard::instrument::utf8;
 use erard::keyboard::key_named;
 use erard::parameter::aliases;
 use erard_workshop::diagnose::{
-    Diagnosis, Entry, Known, answer as diagnosis_json, diagnose, entries, read, readings, unused_columns,
+    Entry, Known, answer as diagnosis_json, diagnose_all, entries, read, readings, unused_columns,
 };
 use erard_workshop::measure::norms::MIDDLE_C;
 use serde_json::Value;
@@ -109,11 +109,7 @@ impl Diagnose {
         };
         let mut output = self.out.prepare(session, "diagnose", &["diagnosis.json", "diagnosis.html"])?;
         let mut progress = session.progress("diagnosing");
-        let mut found: Vec<Diagnosis> = Vec::new();
-        for (done, (key, known)) in keys.iter().enumerate() {
-            progress.tell(done as f64 / keys.len() as f64);
-            found.push(diagnose(known, *key));
-        }
+        let found = diagnose_all(&keys, &mut |share| progress.tell(share));
         drop(progress);
         let name = self.file.as_deref().map(inputs::shown);
         let is_key_assumed = self.file.is_none() && self.key.is_none();
@@ -147,7 +143,7 @@ impl Diagnose {
             let wrong = |expected: String| Failure::Usage(format!("--{} {text}: expected {expected}", option(entry)));
             known.enter(entry, text).map_err(wrong)?;
         }
-        known.settle().map_err(|error| Failure::Usage(error.to_string()))?;
+        known.settle(key).map_err(|error| Failure::Usage(error.to_string()))?;
         if known.is_empty() {
             return Err(Failure::Usage(
                 "no reading was given; expected options such as --down-weight 58 --up-weight 18, a table (CSV), or a measure.json; \

@@ -30,13 +30,14 @@ pub(crate) struct Validate {
     /// Instrument: a TOML file, or a built-in name
     #[arg(long, value_name = "FILE-OR-NAME", default_value = "concert-grand")]
     instrument: InstrumentSpec,
-    /// Diagnose published pianos instead, and compare the answers with what technicians concluded or found
+    /// Diagnose published pianos instead, and compare the answers with what technicians concluded or found: all of
+    /// them, those that choose or judge, or those with these names
     #[arg(
         long,
-        value_name = "WHICH",
+        value_name = "NAME,NAME,..",
         num_args = 0..=1,
-        require_equals = true,
         default_missing_value = "all",
+        value_parser = cases::which,
         conflicts_with_all = ["instrument", "bands"]
     )]
     cases: Option<cases::Which>,
@@ -52,7 +53,7 @@ pub(crate) struct Validate {
 impl Validate {
     /// Runs the command.
     pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
-        if let Some(which) = self.cases {
+        if let Some(which) = &self.cases {
             return cases::run(session, &self.out, which, self.fail_on_miss);
         }
         self.bands.check(&self.instrument)?;

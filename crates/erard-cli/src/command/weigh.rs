@@ -102,9 +102,7 @@ impl WeighOptions {
         let rest = if self.simulate_work { 0.2 } else { 0.7 };
         let checked = check(&sample, &mut |share| progress.tell(0.3 + rest * share)).map_err(failed)?;
         drop(sample);
-        for one in &checked {
-            list.plan.keys.iter_mut().filter(|key| key.measured.key == one.key).for_each(|key| key.withhold(one));
-        }
+        list.plan.withhold(&checked);
         let weighed_again = if self.simulate_work {
             progress.say("carrying out");
             let tell = &mut |share: f64| progress.tell(0.5 + 0.5 * share);

@@ -3,10 +3,13 @@
 use maud::{Markup, html};
 
 use super::Work;
-use super::words::{assumed_key, explains, geometry, key, mark, percent, rows, usual, value, weigh_again, would_read};
+use super::words::{
+    assumed_key, explains, geometry, key, mark, percent, rows, uneven, usual, value, weigh_again, would_read,
+};
 use crate::paper::page;
 use crate::table::Table;
 use erard_workshop::diagnose::{BASIS, Diagnosis, Standing, common};
+use erard_workshop::worklist::SECTION_ENDS;
 
 const STYLE: &str = include_str!("../paper.css");
 
@@ -32,8 +35,13 @@ pub(crate) fn html(work: &Work<'_>) -> String {
         @if let [one] = work.found {
             div.one-page { (of_key(one, work)) }
         } @else {
-            @if let Some(common) = common(work.found) { p.note { (common.sentence()) } }
+            @for common in common(work.found, &SECTION_ENDS) { p.note { (common.sentence()) } }
             (list(work))
+            @let uneven = uneven(work);
+            @if !uneven.is_empty() {
+                h2 { "Off the mean of two neighbours on either side, naturals and sharps apart" }
+                @for text in &uneven { p { (text) } }
+            }
             @for one in work.found.iter().filter(|one| one.is_work()) {
                 h2 { (key(one)) }
                 (of_key(one, work))

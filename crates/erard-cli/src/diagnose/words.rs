@@ -7,6 +7,7 @@ use erard_workshop::diagnose::{
     BASIS, Band, Diagnosis, Judged, Ranked, Standing, Suggestion, WEIGH_AGAIN_G, common, explained_as, joined,
 };
 use erard_workshop::digits::{plain, signed};
+use erard_workshop::worklist::SECTION_ENDS;
 
 use super::Work;
 use crate::table::{Table, USUAL, wrapped};
@@ -171,7 +172,7 @@ fn of_one(one: &Diagnosis, lengths: Lengths) -> String {
         let why = ranked.withheld.as_deref().unwrap_or_default();
         line(&mut out, 2, &format!("Not yet for {}: {why}.", ranked.cause.name));
     }
-    if !one.undecided.is_empty() {
+    if one.is_work() && !one.undecided.is_empty() {
         if has_list {
             line(&mut out, 2, &format!("{}.", one.open_question().unwrap_or_default()));
         }
@@ -252,7 +253,7 @@ pub(super) fn rows(work: &Work<'_>) -> Vec<[String; 6]> {
 fn of_many(found: &[Diagnosis], work: &Work<'_>) -> String {
     let ill = found.iter().filter(|one| one.is_work()).count();
     let mut out = format!("{} - {} keys, {ill} of them with work\n\n", work.file.unwrap_or(""), found.len());
-    if let Some(common) = common(found) {
+    for common in common(found, &SECTION_ENDS) {
         line(&mut out, 2, &common.sentence());
         let _ = writeln!(out);
     }
@@ -267,10 +268,34 @@ fn of_many(found: &[Diagnosis], work: &Work<'_>) -> String {
             line(&mut out, 5, &format!("measure next: {next}"));
         }
     }
+    let uneven = uneven(work);
+    if !uneven.is_empty() {
+        let _ = writeln!(out);
+        line(&mut out, 2, "Off the mean of two neighbours on either side, naturals and sharps apart:");
+        uneven.iter().for_each(|text| line(&mut out, 5, text));
+    }
     let _ = writeln!(out);
     line(&mut out, 2, "All causes of every key, with their tests: diagnosis.html and diagnosis.json.");
     line(&mut out, 2, BASIS);
     out
+}
+
+/// Readings that are off their neighbours' by more than two readings may be, a line for each key that has some.
+pub(super) fn uneven(work: &Work<'_>) -> Vec<String> {
+    let of = |one: &Diagnosis| {
+        let off = |line: &Judged| {
+            let off = line.off_neighbours().filter(|_| line.is_uneven())?;
+            let label = line.label.split(" (").next().unwrap_or(line.label);
+            let by = match line.unit {
+                "mm" => work.lengths.signed(off, line.decimals),
+                unit => format!("{} {unit}", signed(off, line.decimals)).trim_end().to_owned(),
+            };
+            Some(format!("{label} {by}"))
+        };
+        let all: Vec<String> = one.lines.iter().filter_map(off).collect();
+        (!all.is_empty()).then(|| format!("{} (key {}): {}", note_name(one.key), one.key, all.join(", ")))
+    };
+    work.found.iter().filter_map(of).collect()
 }
 
 /// diagnosis.csv: a row for each key.
@@ -291,6 +316,14 @@ pub(crate) fn table(work: &Work<'_>) -> Table<'static> {
             found.iter().map(|one| {
                 let out = one.lines.iter().filter(|line| line.standing == Standing::Out);
                 out.map(|line| line.name).collect::<Vec<_>>().join(" ")
+            }),
+        )
+        .words(
+            "off_neighbours",
+            found.iter().map(|one| {
+                let off = one.lines.iter().filter(|line| line.is_uneven());
+                let one = |line: &Judged| Some(format!("{}={}", line.name, rounded(line.off_neighbours()?)));
+                off.filter_map(one).collect::<Vec<_>>().join(" ")
             }),
         )
         .words("cause", first(|ranked| ranked.cause.key.clone()))

@@ -51,9 +51,10 @@ pub(super) struct Section<'w> {
 
 /// The operations that have lines, in the order of work.
 pub(super) fn sections<'w>(work: &'w Work<'_>) -> Vec<Section<'w>> {
+    let has_springs = has_springs(work);
     let sections = Operation::ALL.map(|operation| Section {
         heading: heading(operation),
-        heads: heads(operation),
+        heads: heads(operation, has_springs),
         lines: work.list.lines.iter().filter(|line| line.operation == operation).collect(),
     });
     sections.into_iter().filter(|section| !section.lines.is_empty()).collect()
@@ -69,8 +70,16 @@ fn heading(operation: Operation) -> &'static str {
     }
 }
 
-fn heads(operation: Operation) -> &'static [&'static str] {
+/// Whether springs or magnets were weighed.
+fn has_springs(work: &Work<'_>) -> bool {
+    work.list.plan.keys.iter().any(|key| key.measured.assist_g.is_some())
+}
+
+fn heads(operation: Operation, has_springs: bool) -> &'static [&'static str] {
     match operation {
+        Operation::Leads if has_springs => {
+            &["key", "note", "leads", "or instead", "or hammer", "or capstan forward", "or spring", "then FW, D, U"]
+        }
         Operation::Friction => &["key", "note", "what", "friction", "then D, U"],
         Operation::Hammers => &["key", "note", "what", "strike weight", "then D, U"],
         Operation::Leads => &["key", "note", "leads", "or instead", "or hammer", "or capstan forward", "then FW, D, U"],
@@ -128,8 +137,11 @@ fn cells(line: &KeyLine, work: &Work<'_>) -> Vec<String> {
                 line.instead.as_ref().map(what).or_else(|| unknown_leads(key, work)).unwrap_or("-".to_owned()),
                 hammer.map_or("-".to_owned(), |by| format!("{by:+.1} g")),
                 key.capstan_move_mm.map_or("-".to_owned(), |by| lengths.text(by, 1)),
-                after(&[line.after.front_g, down, up]),
             ]);
+            if has_springs(work) {
+                cells.push(key.assist_change_g.map_or("-".to_owned(), |by| format!("{} g", signed(by, 1))));
+            }
+            cells.push(after(&[line.after.front_g, down, up]));
         }
     }
     cells
@@ -172,6 +184,10 @@ pub(super) fn remarks(work: &Work<'_>) -> Vec<String> {
     let inertia = target.inertia_kg.map_or(String::new(), |kg| format!(" and an inertia of {kg} kg"));
     let mut lines = vec![format!("Aim: a balance weight of {:.1} g ({from}){inertia}.", target.balance_weight_g)];
     lines.extend(leverage(work));
+    lines.extend(capstans_cost(work));
+    if has_springs(work) {
+        lines.push("Springs or magnets are in the equation; down-weights without them are in weigh.csv. Like leads they take off D and U alike, without their inertia.".to_owned());
+    }
     let out: Vec<&str> =
         plan.keys.iter().filter(|key| KeyboardList::is_friction_out(key)).map(|key| &*key.note).collect();
     if !out.is_empty() {
@@ -226,6 +242,19 @@ fn leverage(work: &Work<'_>) -> Option<String> {
     ))
 }
 
+/// What a move of single capstans costs elsewhere.
+fn capstans_cost(work: &Work<'_>) -> Option<String> {
+    let has_leads = |key: &BalancedKey| {
+        work.list.lines.iter().any(|line| line.key == key.measured.key && line.operation == Operation::Leads)
+    };
+    let moved = work.list.plan.keys.iter().filter(|key| has_leads(key)).filter_map(|key| key.capstan_move_mm);
+    let most = moved.filter(|by_mm| by_mm.abs() >= 0.05).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    let cost = work.lengths.text(AFTERTOUCH_PER_CAPSTAN * most.abs(), 1);
+    let way = capstan_text(most, work.lengths);
+    let gain = if most > 0.0 { "costs" } else { "gives" };
+    Some(format!("A capstan {way} {gain} about {cost} of aftertouch, and blow and dip are set anew."))
+}
+
 /// Remedies that are not given, and why.
 fn withheld(work: &Work<'_>) -> Vec<String> {
     let keys = || work.list.plan.keys.iter().filter(move |key| !waits(work, key));
@@ -247,11 +276,28 @@ fn withheld(work: &Work<'_>) -> Vec<String> {
         Bound::Model(None) => Some(format!("{}: no weight moves the key then", remedy_text(&one.remedy, lengths))),
         _ => None,
     });
+    let aftertouch = each(&|one| match (&one.remedy, one.bound) {
+        (Remedy::Capstan(by_mm), Bound::Aftertouch(then_mm)) => {
+            Some(format!("{} (to {})", capstan_text(*by_mm, lengths), lengths.text(then_mm, 1)))
+        }
+        _ => None,
+    });
+    let as_checked = each(&|one| match (&one.remedy, one.bound) {
+        (Remedy::Capstan(by_mm), Bound::AsChecked) => Some(capstan_text(*by_mm, lengths)),
+        _ => None,
+    });
+    let springs = each(&|one| match (&one.remedy, one.bound) {
+        (Remedy::Assist(by_g), Bound::Assist(then_g)) => Some(format!("{} g (to {then_g:.1} g)", signed(*by_g, 1))),
+        _ => None,
+    });
     let most = lengths.text(MOST_CAPSTAN_MM, 0);
     [
         (heel, format!("Capstans not moved, for more than {most} leaves the heel and takes the aftertouch")),
+        (aftertouch, "Capstans not moved, for no usual dip makes up for the aftertouch".to_owned()),
+        (springs, "Springs left, for they would take off less than nothing or more than touch bears".to_owned()),
         (shank, "Hammers left, for a strike weight far out of its usual range".to_owned()),
         (model, "Withheld, for the dynamic model does not do what the equation says".to_owned()),
+        (as_checked, "Capstans not moved, for a move no larger was refuted at a checked key".to_owned()),
     ]
     .into_iter()
     .filter(|(keys, _)| !keys.is_empty())

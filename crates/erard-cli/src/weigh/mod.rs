@@ -41,17 +41,23 @@ pub(crate) struct Work<'a> {
 /// A usual lead, g: for examples of front weight.
 const LEAD_G: f64 = 14.0;
 
+/// Farthest place of a usual lead, as a share of the way from the balance pin to the key's front.
+const FARTHEST_LEAD: f64 = 0.75;
+
 /// Front weight where nobody said which leads are there, in words. `front_mm` is from the balance pin to the key's
 /// front.
 pub(crate) fn front_weight_text(by_g: f64, front_mm: f64, lengths: Lengths) -> String {
     if by_g > 0.0 {
         return format!("put {by_g:.1} g of front weight in");
     }
-    let place = lengths.text(10.0 * (-by_g * front_mm / LEAD_G / 10.0).round(), 0);
-    format!(
-        "take {:.1} g of front weight out: move leads toward the pin or take one out (a {LEAD_G:.0} g lead at {place} from the pin is as much)",
-        -by_g
-    )
+    // As few usual leads as are that much where leads stand.
+    let leads = (-by_g / (LEAD_G * FARTHEST_LEAD)).ceil().max(1.0);
+    let place = lengths.text(10.0 * (-by_g * front_mm / (leads * LEAD_G) / 10.0).round(), 0);
+    let as_much = match leads {
+        1.0 => format!("a {LEAD_G:.0} g lead at {place} from the pin is as much"),
+        leads => format!("{leads:.0} leads of {LEAD_G:.0} g at {place} from the pin are as much"),
+    };
+    format!("take {:.1} g of front weight out: move leads toward the pin or take some out ({as_much})", -by_g)
 }
 
 /// Weight of a hammer, in words.
@@ -90,6 +96,7 @@ fn remedy_text(remedy: &Remedy, lengths: Lengths) -> String {
         Remedy::Leads(leads) => format!("leads {}", leads_text(leads, lengths)),
         Remedy::Strike(by_g) => format!("strike weight {} g", signed(*by_g, 1)),
         Remedy::Capstan(by_mm) => format!("capstan {}", capstan_text(*by_mm, lengths)),
+        Remedy::Assist(by_g) => format!("springs or magnets {} g", signed(*by_g, 1)),
     }
 }
 

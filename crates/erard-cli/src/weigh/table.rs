@@ -51,9 +51,12 @@ pub(crate) fn table(work: &Work<'_>) -> Table<'static> {
         ("target_strike_weight_g", |key| key.target_strike_weight_g),
         ("target_front_weight_g", |key| key.target_front_weight_g),
     ];
-    const WORK: [Number; 4] = [
+    const WORK: [Number; 7] = [
         ("strike_weight_change_g", |key| key.strike_change_g),
         ("capstan_to_the_player_mm", |key| key.capstan_move_mm),
+        ("assist_g", |key| key.measured.assist_g),
+        ("assist_change_g", |key| key.assist_change_g),
+        ("down_weight_without_assist_g", without_assist_g),
         ("balance_weight_after_g", |key| key.after_balance_weight_g.filter(|_| !KeyboardList::is_friction_out(key))),
         ("inertia_after_kg", |key| key.after_inertia_kg.filter(|_| !KeyboardList::is_friction_out(key))),
     ];
@@ -84,13 +87,16 @@ pub(crate) fn table(work: &Work<'_>) -> Table<'static> {
 /// again.csv: the keys weighed again, with the columns that `--measured` reads.
 pub(crate) fn again(keys: &[MeasuredKey]) -> Table<'static> {
     type Number = (&'static str, fn(&MeasuredKey) -> Option<f64>);
-    const WEIGHED: [Number; 6] = [
+    const WEIGHED: [Number; 9] = [
         ("strike_weight_g", |key| key.strike_weight_g),
         ("front_weight_g", |key| key.front_weight_g),
         ("down_weight_g", |key| key.down_weight_g),
         ("up_weight_g", |key| key.up_weight_g),
         ("whippen_weight_g", |key| key.whippen_weight_g),
         ("key_ratio", |key| key.key_ratio),
+        ("assist_g", |key| key.assist_g),
+        ("aftertouch_mm", |key| key.aftertouch_mm),
+        ("dip_mm", |key| key.dip_mm),
     ];
     let start = Table::default().optional("key", keys.iter().map(|key| Some(key.key as f64)));
     let rounded = |value: Option<f64>| value.map(|x| (x * 1e4).round() / 1e4);
@@ -121,6 +127,7 @@ pub(crate) fn report(work: &Work<'_>) -> Value {
             Remedy::Leads(_) => "leads",
             Remedy::Strike(_) => "strike_weight",
             Remedy::Capstan(_) => "capstan",
+            Remedy::Assist(_) => "assist",
         };
         json!({
             "key": one.key,
@@ -178,11 +185,15 @@ fn of_withheld(one: &Withheld) -> Value {
         Remedy::Leads(_) => ("leads", None),
         Remedy::Strike(by_g) => ("strike_weight", Some(by_g)),
         Remedy::Capstan(by_mm) => ("capstan", Some(by_mm)),
+        Remedy::Assist(by_g) => ("assist", Some(by_g)),
     };
     let why = match one.bound {
         Bound::Heel => "too_far",
         Bound::StrikeWeight(_) => "strike_weight_out",
+        Bound::Aftertouch(_) => "aftertouch_out",
+        Bound::Assist(_) => "assist_out",
         Bound::Model(_) => "model_differs",
+        Bound::AsChecked => "model_differs_at_a_checked_key",
     };
     json!({"remedy": remedy, "amount": amount, "why": why})
 }
@@ -221,9 +232,17 @@ fn of_key(key: &BalancedKey) -> Value {
         "withheld": key.withheld.iter().map(of_withheld).collect::<Value>(),
         "strike_weight_change_g": key.strike_change_g,
         "capstan_to_the_player_mm": key.capstan_move_mm,
+        "assist_g": key.measured.assist_g,
+        "assist_change_g": key.assist_change_g,
+        "down_weight_without_assist_g": without_assist_g(key),
         "balance_weight_after_g": key.after_balance_weight_g.filter(|_| !waits),
         "inertia_after_kg": key.after_inertia_kg.filter(|_| !waits),
     })
+}
+
+/// Down-weight with the springs unhooked or the magnets out, g: what they take off is in D.
+fn without_assist_g(key: &BalancedKey) -> Option<f64> {
+    Some(key.measured.down_weight_g? + key.measured.assist_g?)
 }
 
 fn of_line(line: &KeyLine) -> Value {

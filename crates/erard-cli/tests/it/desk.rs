@@ -41,6 +41,7 @@ fn checked(folder: &Folder, home: &str, kind: &str) -> usize {
             continue;
         }
         let kind = if path.ends_with("usual.toml") { "usual ranges" } else { kind };
+        let kind = if path.ends_with("cases.toml") { "published pianos" } else { kind };
         let kind = if path.extension().is_some_and(|e| e == "json") { "a JSON Schema" } else { kind };
         let said = folder.good_words(&["check", path.to_str().unwrap()]);
         assert!(said.contains(kind), "{}: {said}", path.display());
@@ -73,6 +74,7 @@ fn check_knows_every_format() {
         ("b.json", "{", "is not JSON"),
         ("c.toml", "format = \"erard-published/2\"\n", "groups"),
         ("d.toml", "format = \"erard-usual/1\"\n[usual.dip_mm]\nsource = \"s\"\n", "expected `at_least` or `at_most`"),
+        ("e.toml", "format = \"erard-cases/2\"\ncase = []\n", "expected `erard-cases/1`"),
     ] {
         folder.file(name, text);
         let said = folder.bad(&["check", name]);

@@ -105,7 +105,8 @@ fn one_piano_one_cause() {
     assert!(said.contains("5 of 5 keys with work say the same, so that the cause is one: high"), "{said}");
     assert!(warned.contains("columns that were not used: colour"), "{warned}");
     let found = read(&folder, "erard-out-diagnose/diagnosis.json");
-    assert_eq!(found["common"]["cause"], "ratio_high");
+    assert_eq!((&found["common"][0]["cause"], found["common"].as_array().unwrap().len()), (&"ratio_high".into(), 1));
+    assert!(found["common"][0]["section"].is_null());
     let all = Folder::new("common-weighed");
     all.file("piano.csv", table);
     let said = all.good(&["keyboard", "--measured", "piano.csv", "--checked-keys", "0", "--out", "work"]);
@@ -116,6 +117,65 @@ fn one_piano_one_cause() {
     assert_eq!((plan["work"].as_array().unwrap().len(), plan["leverage"]["of"].as_u64()), (0, Some(5)));
     let by_mm = plan["leverage"]["capstan_to_the_player_mm"].as_f64().unwrap();
     assert!((5.0..=8.0).contains(&by_mm), "{by_mm}");
+}
+
+/// A cause of one section is that section's; a reading off its neighbours' mean is named though it is in range.
+#[test]
+fn one_section_one_cause_and_neighbours() {
+    let folder = folder("section");
+    let mut table = "key,let_off_mm,drop_mm,blow_mm\n".to_owned();
+    for key in [22, 24, 25, 27] {
+        table += &format!("{key},4.2,1.5,46\n");
+    }
+    for (key, blow) in [(52, 46.0), (54, 46.1), (56, 44.2), (57, 46.0), (59, 45.9)] {
+        table += &format!("{key},1.5,3.4,{blow}\n");
+    }
+    folder.file("piano.csv", &table);
+    let said = folder.good_words(&["piano.csv"]);
+    let found = read(&folder, "erard-out-diagnose/diagnosis.json");
+    let sections: Vec<(&Value, &Value)> =
+        found["common"].as_array().unwrap().iter().map(|one| (&one["cause"], &one["section"])).collect();
+    let [low, high] = [serde_json::json!([21, 50]), serde_json::json!([51, 70])];
+    assert_eq!(sections, [(&"let_off_wide".into(), &low), (&"drop_large".into(), &high)], "{said}");
+    assert!(said.contains("4 of 4 keys with work from F2 to A#4 say the same"), "{said}");
+    assert!(said.contains("E5 (key 56): blow -1.8 mm"), "{said}");
+    let blow =
+        |key: usize| found["keys"][key]["readings"].as_array().unwrap().iter().find(|one| one["name"] == "blow_mm");
+    assert_eq!(blow(6).unwrap()["neighbours"], 46.0);
+    assert!(folder.read("erard-out-diagnose/diagnosis.csv").contains("blow_mm=-1.8"));
+}
+
+/// Conditions of the weighing: weights at the key's edge count more, springs are in the leverage, the key alone has its
+/// friction, and a damper in the weights is refused.
+#[test]
+fn conditions_of_the_weighing() {
+    let folder = folder("conditions");
+    let value = |name: &str| {
+        let found = read(&folder, "erard-out-diagnose/diagnosis.json");
+        let readings = found["keys"][0]["readings"].as_array().unwrap().clone();
+        readings.iter().find(|one| one["name"] == name).and_then(|one| one["value"].as_f64())
+    };
+    folder.good(&["--down-weight", "50", "--up-weight", "25", "--measured-at", "0"]);
+    assert_eq!((value("down_weight_g"), value("up_weight_g")), (Some(52.6), Some(26.3)));
+    folder.good(&["--down-weight", "50", "--up-weight", "25", "--measured-at", "0.5in"]);
+    assert!((value("down_weight_g").unwrap() - 50.06).abs() < 1e-9);
+    let weights = ["--down-weight", "41", "--up-weight", "17", "--strike-weight", "10", "--front-weight", "26"];
+    folder.good(&[&weights[..], &["--assist", "9"]].concat());
+    assert!((value("strike_weight_ratio").unwrap() - 5.45).abs() < 0.1, "{:?}", value("strike_weight_ratio"));
+    folder.good(&["--down-weight", "9", "--up-weight", "3", "--stack-on", "no"]);
+    assert_eq!((value("key_alone_friction_g"), value("down_weight_g")), (Some(3.0), None));
+    let said = folder.good_words(&["--bw", "38", "--f", "17", "--tapped", "no"]);
+    assert!(said.contains("may be 2 g less") && said.contains("no work"), "{said}");
+    for (arguments, told) in [
+        (&["--down-weight", "60", "--dampers-lifted", "no"][..], "weights with the pedal down"),
+        (&["--down-weight", "60", "--tapped", "7"], "--tapped 7: expected yes or no"),
+        (&["--down-weight", "60", "--measured-at", "70"], "a number from 0 to 60 mm"),
+    ] {
+        let error = folder.bad(arguments);
+        assert!(error.contains(told), "{error}");
+    }
+    folder.file("piano.csv", "N;D;U;Dampers lifted\n40;60;30;no\n");
+    assert!(folder.bad(&["piano.csv"]).contains("piano.csv:2: column `dampers_lifted`"));
 }
 
 /// Whatever is wrong is said with its place and with what to give instead, and nothing is written.

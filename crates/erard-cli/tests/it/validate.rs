@@ -89,6 +89,8 @@ fn published_pianos() {
     }
     assert!(told.contains("published pianos") && told.lines().all(|line| line.chars().count() <= 100), "{told}");
     assert_eq!(csv::Reader::from_reader(folder.read("out/cases.csv").as_bytes()).records().count(), rows.len());
-    assert!(folder.bad(&["--cases=some"]).contains("choose"));
+    let told = folder.good(&["--cases", "textbook-key,petrof-statics", "--out", "two"]);
+    assert!(told.contains("2 published pianos, 2 keys") && told.contains("petrof-statics"), "{told}");
+    assert!(folder.bad(&["--cases=some"]).contains("`choose`, `judge`, or names with commas out of"));
     assert!(folder.bad(&["--cases", "--instrument", "heavy-touch"]).contains("cannot be used with"));
 }

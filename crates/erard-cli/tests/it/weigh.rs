@@ -113,6 +113,62 @@ fn a_work_list() {
     assert!(std::fs::read(folder.0.join("work/weigh.png")).unwrap().starts_with(b"\x89PNG"));
 }
 
+/// 88 keys with springs at the whippens that take 9 g off. Ratio and down-weight without springs are the equation's,
+/// and every remedy is within bounds: leads inside the key, capstans within 8 mm, strike weights near their range,
+/// springs from 0 to 15 g. What is withheld has its reason, and another remedy stays.
+#[test]
+fn eighty_eight_keys_with_springs() {
+    let folder = Folder::new("weigh-springs");
+    let is_sharp = |key: usize| [1, 3, 6, 8, 10].contains(&((key + 8) % 12));
+    let mut table = "N,SW,FW,BW,F,assist\n".to_owned();
+    // Balance weights from 28 to 58 g: the lightest and the heaviest keys need more than any remedy may do.
+    let balance = |key: usize| 28.0 + f64::from((7 * key as u32) % 31);
+    let ratio = |key: usize| if is_sharp(key) { 6.18 } else { 5.7 };
+    for key in 1..=88 {
+        let strike = 11.0 - 0.067 * key as f64;
+        let front = 10.3 + ratio(key) * strike - balance(key) - 9.0;
+        table += &format!("{key},{strike:.2},{front:.2},{:.1},11,9\n", balance(key));
+    }
+    folder.file("piano.csv", &table);
+    let arguments = ["keyboard", "--measured", "piano.csv", "--target", "balance=38g", "--checked-keys", "3"];
+    let said = folder.good_words(&[&arguments[..], &["--out", "work"]].concat());
+    let plan = read(&folder, "work/weigh.json");
+    let (keys, work) = (plan["keys"].as_array().unwrap(), plan["work"].as_array().unwrap());
+    assert_eq!(keys.len(), 88);
+    let (mut withheld, mut offered) = (0, 0);
+    for one in keys {
+        let number = |name: &str| one[name].as_f64();
+        let key = one["key"].as_u64().unwrap() as usize;
+        assert_eq!(number("down_weight_without_assist_g"), Some(balance(key) + 11.0 + 9.0));
+        // KR WW is the keyboard's own, 10.3 g but for the sharps' shorter keys.
+        assert!((number("ratio").unwrap() - ratio(key)).abs() < 0.45, "{one}");
+        assert!(number("capstan_to_the_player_mm").is_none_or(|mm| mm.abs() <= 8.0), "{one}");
+        assert!(number("assist_change_g").is_none_or(|g| (0.0..=15.0).contains(&(9.0 + g))), "{one}");
+        let strike = 11.0 - 0.067 * key as f64;
+        assert!(number("strike_weight_change_g").is_none_or(|g| (4.0..=13.7).contains(&(strike + g))), "{one}");
+        withheld += one["withheld"].as_array().unwrap().len();
+        let names = ["capstan_to_the_player_mm", "assist_change_g", "strike_weight_change_g"];
+        offered += names.iter().filter(|name| !one[**name].is_null()).count();
+    }
+    assert!(withheld > 20 && offered > 88, "{withheld} {offered}");
+    let mut leads = 0;
+    for line in work.iter().filter(|line| line["operation"] == "leads") {
+        let by_g = line["by_g"].as_f64().unwrap();
+        for put in line["leads"]["put"].as_array().into_iter().flatten() {
+            // The farthest lead stands before the front pin of the shortest sharp.
+            assert!(put[1].as_f64().unwrap().abs() < 210.0 && by_g.abs() < 60.0, "{line}");
+            leads += 1;
+        }
+        assert!(line["then"]["front_weight_g"].as_f64().unwrap() < 41.4, "{line}");
+    }
+    assert!(leads > 20, "{leads}");
+    for told in
+        ["Springs or magnets are in the equation", "Springs left, for", "of aftertouch, and blow and dip are set anew"]
+    {
+        assert!(said.contains(told), "{told}: {said}");
+    }
+}
+
 /// 20 g of friction are not answered with "leave": it is eased first, everything else of that key waits, and its own
 /// balance weight is not the aim.
 #[test]

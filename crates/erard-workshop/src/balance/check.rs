@@ -1,7 +1,7 @@
 //! Check of the statics: remedies made in the dynamic model and weighed there.
 
 use super::model::add_mass;
-use super::plan::{BalancedKey, Bound, Remedy, Withheld};
+use super::plan::{BalancedKey, Bound, Plan, Remedy, Withheld};
 use crate::cores;
 use crate::measure::MeasureError;
 use crate::weighing::touch;
@@ -51,10 +51,35 @@ impl BalancedKey {
         match checked.remedy {
             Remedy::Capstan(_) => self.capstan_move_mm = None,
             Remedy::Strike(_) => self.strike_change_g = None,
-            // A gram of lead is a gram at the key in any model.
-            Remedy::Leads(_) => return,
+            // A gram of lead, or of a spring weighed at the key, is a gram at the key in any model.
+            Remedy::Leads(_) | Remedy::Assist(_) => return,
         }
         self.withheld.push(Withheld { remedy: checked.remedy.clone(), bound: Bound::Model(in_model_g) });
+    }
+}
+
+impl Plan {
+    /// Withholds remedies that the model refutes, at the checked keys and, of a capstan that moves no less the same
+    /// way, at keys that were not checked.
+    pub fn withhold(&mut self, checked: &[Checked]) {
+        for one in checked {
+            self.keys.iter_mut().filter(|key| key.measured.key == one.key).for_each(|key| key.withhold(one));
+        }
+        let refuted = |key: &&BalancedKey| {
+            key.withheld.iter().find_map(|one| match (&one.remedy, one.bound) {
+                (Remedy::Capstan(by_mm), Bound::Model(in_model_g)) => Some((*by_mm, in_model_g)),
+                _ => None,
+            })
+        };
+        let refuted: Vec<(f64, Option<f64>)> = self.keys.iter().filter_map(|key| refuted(&key)).collect();
+        for key in self.keys.iter_mut().filter(|key| checked.iter().all(|one| one.key != key.measured.key)) {
+            let Some(by_mm) = key.capstan_move_mm else { continue };
+            let no_less = |(other_mm, _): &&(f64, Option<f64>)| by_mm * other_mm > 0.0 && by_mm.abs() >= other_mm.abs();
+            if refuted.iter().any(|one| no_less(&one)) {
+                key.capstan_move_mm = None;
+                key.withheld.push(Withheld { remedy: Remedy::Capstan(by_mm), bound: Bound::AsChecked });
+            }
+        }
     }
 }
 
@@ -163,5 +188,52 @@ mod tests {
         assert!(key.capstan_move_mm.is_some() && key.withheld.is_empty());
         key.withhold(&checked(Some(2.0)));
         assert!(key.capstan_move_mm.is_none() && key.withheld[0].bound == Bound::Model(Some(2.0)), "{key:?}");
+    }
+
+    /// Springs: more of them is a remedy of a key that has them, up to 15 g. Aftertouch: 4 mm of capstan take 0.7 mm of
+    /// it; a dip with room gives it back.
+    #[test]
+    fn bounds_of_springs_and_of_aftertouch() {
+        let model = KeyModel::of(&Instrument::builtin("concert-grand").unwrap()).unwrap();
+        let of = |assist_g: Option<f64>, aftertouch_mm: Option<f64>, dip_mm: Option<f64>| {
+            let key = MeasuredKey {
+                key: 40,
+                down_weight_g: Some(57.0),
+                up_weight_g: Some(31.0),
+                front_weight_g: Some(22.0),
+                strike_weight_g: Some(9.0),
+                assist_g,
+                aftertouch_mm,
+                dip_mm,
+                ..MeasuredKey::default()
+            };
+            let target = Target { balance_weight_g: 38.0, inertia_kg: None, hammers: false };
+            plan(&[key], &[model; KEYS], target, &LEADS_G).keys.swap_remove(0)
+        };
+        let bare = of(None, None, None);
+        assert_eq!((bare.assist_change_g, bare.withheld.len()), (None, 0));
+        assert_eq!(of(Some(8.0), None, None).assist_change_g, Some(6.0));
+        // With 8 g of spring the same balance weight hides 8 g more of action.
+        assert!((of(Some(8.0), None, None).ratio.unwrap() - bare.ratio.unwrap() - 8.0 / 9.0).abs() < 1e-12);
+        let much = of(Some(10.0), None, None);
+        assert!(much.assist_change_g.is_none() && much.withheld[0].bound == Bound::Assist(16.0), "{much:?}");
+        let short = of(None, Some(0.9), None);
+        assert!(matches!(short.withheld[0].bound, Bound::Aftertouch(then_mm) if then_mm < 0.67), "{short:?}");
+        assert!(of(None, Some(2.2), None).withheld.is_empty() && of(None, Some(0.9), Some(9.8)).withheld.is_empty());
+        let mut plan = Plan {
+            keys: vec![bare.clone(), bare.clone()],
+            curves: plan(&[], &[model; KEYS], bare_target(), &LEADS_G).curves,
+            target: bare_target(),
+        };
+        plan.keys[0].measured.key = 39;
+        let by_mm = bare.capstan_move_mm.unwrap();
+        let checked = Checked { key: 39, remedy: Remedy::Capstan(by_mm), by_equation_g: -6.0, in_model_g: None };
+        plan.withhold(&[checked]);
+        assert_eq!(plan.keys[0].withheld[0].bound, Bound::Model(None));
+        assert_eq!(plan.keys[1].withheld[0].bound, Bound::AsChecked);
+    }
+
+    fn bare_target() -> Target {
+        Target { balance_weight_g: 38.0, inertia_kg: None, hammers: false }
     }
 }

@@ -11,19 +11,22 @@ pub struct Parts {
     pub whippen_weight_g: f64,
     /// KR: grams at the key's front per gram over the capstan.
     pub key_ratio: f64,
+    /// What springs at the whippen or magnets take off the balance weight, g at the key's front.
+    pub assist_g: f64,
 }
 
 impl Parts {
     /// R from the balance weight.
     #[must_use]
     pub(crate) fn ratio(&self, balance_weight_g: f64) -> f64 {
-        (balance_weight_g + self.front_weight_g - self.key_ratio * self.whippen_weight_g) / self.strike_weight_g
+        let weight_g = balance_weight_g + self.front_weight_g + self.assist_g;
+        (weight_g - self.key_ratio * self.whippen_weight_g) / self.strike_weight_g
     }
 
     /// BW from the ratio.
     #[must_use]
     pub(crate) fn balance_weight_g(&self, ratio: f64) -> f64 {
-        self.key_ratio * self.whippen_weight_g + ratio * self.strike_weight_g - self.front_weight_g
+        self.key_ratio * self.whippen_weight_g + ratio * self.strike_weight_g - self.front_weight_g - self.assist_g
     }
 }
 
@@ -180,11 +183,20 @@ mod tests {
     /// gram more in front is a gram less balance weight (Love, the same post).
     #[test]
     fn the_equation_by_hand() {
-        let parts = Parts { front_weight_g: 26.0, strike_weight_g: 10.0, whippen_weight_g: 18.0, key_ratio: 0.5 };
+        let parts = Parts {
+            front_weight_g: 26.0,
+            strike_weight_g: 10.0,
+            whippen_weight_g: 18.0,
+            key_ratio: 0.5,
+            assist_g: 0.0,
+        };
         assert_eq!(parts.balance_weight_g(5.5), 38.0);
         assert_eq!(parts.ratio(38.0), 5.5);
         assert_eq!(Parts { strike_weight_g: 20.0, ..parts }.ratio(38.0), 2.75);
         assert_eq!(Parts { strike_weight_g: 20.0, ..parts }.balance_weight_g(2.75), 38.0);
         assert_eq!(Parts { front_weight_g: 27.0, ..parts }.balance_weight_g(5.5), 37.0);
+        // A spring that carries the whippen takes KR WW, 9 g, off (Stanwood, Pianotech list, 28 June 1996): like lead.
+        assert_eq!(Parts { assist_g: 9.0, ..parts }.balance_weight_g(5.5), 29.0);
+        assert_eq!(Parts { assist_g: 9.0, ..parts }.ratio(29.0), 5.5);
     }
 }

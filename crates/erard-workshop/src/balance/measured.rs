@@ -1,8 +1,9 @@
 //! Weights read from a table: one row per key; keys and cells may be missing.
 
-use super::equation::{Balance, WeightReadings};
+use super::conditions::{Conditions, PLACES_MM, yes_or_no};
+use super::equation::{Balance, WeightFault, WeightReadings};
 use super::leads::Lead;
-use super::rows::{MeasuredError, number, ratio, rows_of_keys};
+use super::rows::{MeasuredError, length, number, ratio, rows_of_keys};
 
 /// Measured weights of a key; `None` if not weighed.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -21,6 +22,14 @@ pub struct MeasuredKey {
     pub whippen_weight_g: Option<f64>,
     /// KR.
     pub key_ratio: Option<f64>,
+    /// What springs at the whippen or magnets take off the balance weight, g; `None` for a key without them.
+    pub assist_g: Option<f64>,
+    /// Aftertouch, mm.
+    pub aftertouch_mm: Option<f64>,
+    /// Dip, mm.
+    pub dip_mm: Option<f64>,
+    /// Whether the key was not tapped, so that starting friction is in D and U.
+    pub is_untapped: bool,
     /// Leads in the key; empty if not given.
     pub leads: Vec<Lead>,
 }
@@ -60,6 +69,7 @@ struct Row {
     /// BW and F, g: read instead of D and U.
     balance_g: Option<f64>,
     friction_g: Option<f64>,
+    conditions: Conditions,
 }
 
 const fn column(
@@ -77,7 +87,10 @@ pub(crate) const BALANCE_LIMITS_G: [f64; 2] = [-25.0, 175.0];
 /// Least and largest friction weight that can be read, g.
 pub(crate) const FRICTION_LIMITS_G: [f64; 2] = [0.0, 100.0];
 
-const COLUMNS: [Column; 8] = [
+/// Least and largest weight that springs or magnets take off, g.
+pub(crate) const ASSIST_LIMITS_G: [f64; 2] = [0.0, 60.0];
+
+const COLUMNS: [Column; 12] = [
     column("strike_weight_g", &["strike_weight", "sw", "sw_g"], [1.0, 30.0], "g", |row| &mut row.key.strike_weight_g),
     column("front_weight_g", &["front_weight", "fw", "fw_g"], [-60.0, 100.0], "g", |row| &mut row.key.front_weight_g),
     column("down_weight_g", &["down_weight", "dw", "dw_g", "d"], [0.0, 200.0], "g", |row| &mut row.key.down_weight_g),
@@ -92,23 +105,36 @@ const COLUMNS: [Column; 8] = [
     column("balance_weight_g", &["balance_weight", "bw", "bw_g"], BALANCE_LIMITS_G, "g", |row| &mut row.balance_g),
     column("friction_weight_g", &["friction_weight", "f", "f_g"], FRICTION_LIMITS_G, "g", |row| &mut row.friction_g),
     column("key_ratio", &["kr"], [0.3, 0.8], "", |row| &mut row.key.key_ratio),
+    column("assist_g", &["assist", "spring_assist", "magnets"], ASSIST_LIMITS_G, "g", |row| &mut row.key.assist_g),
+    column("aftertouch_mm", &["aftertouch", "after_touch"], [0.0, 10.0], "mm", |row| &mut row.key.aftertouch_mm),
+    column("dip_mm", &["dip", "key_dip", "key_depth"], [3.0, 20.0], "mm", |row| &mut row.key.dip_mm),
+    column("measured_at_mm", &["measured_at"], PLACES_MM, "mm", |row| &mut row.conditions.measured_at_mm),
+];
+
+/// Columns of yes or no.
+const ANSWERS: [(&str, fn(&mut Conditions) -> &mut Option<bool>); 3] = [
+    ("tapped", |conditions| &mut conditions.tapped),
+    ("dampers_lifted", |conditions| &mut conditions.dampers_lifted),
+    ("stack_on", |conditions| &mut conditions.stack_on),
 ];
 
 /// Returns the names of the columns of a table that [`read`] does not use, in lower case; empty for a text that is no
 /// table.
 #[must_use]
 pub fn unused_columns(text: &str, file: &str) -> Vec<String> {
-    let is_known = |name: &str| COLUMNS.iter().any(|column| column.name == name || column.also.contains(&name));
+    let is_column = |name: &str| COLUMNS.iter().any(|column| column.name == name || column.also.contains(&name));
+    let is_known = |name: &str| is_column(name) || ANSWERS.iter().any(|(own, _)| *own == name);
     rows_of_keys(text, file, "key").map_or(Vec::new(), |table| table.unused(is_known))
 }
 
 /// Reads a table: a header that names `key` (1 to 88, or C4) or `note` (A0 to C8), and any of `strike_weight_g`,
 /// `front_weight_g`, `down_weight_g`, `up_weight_g`, `whippen_weight_g`, `key_ratio`, `leads` (such as `14@165 14@147`:
-/// grams at millimetres in front of the balance pin). `balance_weight_g` and `friction_weight_g` may replace
-/// down-weight and up-weight. The trade's letters (SW, FW, DW, UW, BW, F, WW, KR) are accepted; other columns are
-/// ignored. Cells end at commas, or at semicolons or tabs if the header has one, and then decimals may have commas.
-/// Empty cells were not weighed; lines that begin with `#` are comments. Keys are returned in ascending order. `file`
-/// appears in errors only.
+/// grams at millimetres in front of the balance pin), `aftertouch_mm`, `dip_mm`. `balance_weight_g` and
+/// `friction_weight_g` may replace down-weight and up-weight. `assist_g` is what springs at the whippen or magnets take
+/// off; `measured_at_mm`, `tapped`, `dampers_lifted` and `stack_on` are the conditions of the weighing. The trade's
+/// letters (SW, FW, DW, UW, BW, F, WW, KR) are accepted; other columns are ignored. Cells end at commas, or at
+/// semicolons or tabs if the header has one, and then decimals may have commas. Empty cells were not weighed; lines
+/// that begin with `#` are comments. Keys are returned in ascending order. `file` appears in errors only.
 ///
 /// # Errors
 /// The first error, with line and column.
@@ -124,6 +150,13 @@ pub fn read(text: &str, file: &str) -> Result<Vec<MeasuredKey>, MeasuredError> {
             .map_err(|name| fault(table.header_line, &name, "named twice".into(), "one column of each kind".into()))?;
         columns.extend(at.map(|index| (index, column)));
     }
+    let mut answers = Vec::new();
+    for (name, of) in ANSWERS {
+        let at = table
+            .column(&[name])
+            .map_err(|name| fault(table.header_line, &name, "named twice".into(), "one column of each kind".into()))?;
+        answers.extend(at.map(|index| (index, of)));
+    }
     if columns.is_empty() {
         let expected = format!("a header such as `{HEADER}`");
         return Err(fault(table.header_line, "", "no column holds a weight".into(), expected));
@@ -138,18 +171,50 @@ pub fn read(text: &str, file: &str) -> Result<Vec<MeasuredKey>, MeasuredError> {
                 continue;
             }
             let [least, most] = column.limits;
-            let value = if column.unit.is_empty() { ratio(text) } else { number(text) };
+            let value = match column.unit {
+                "" => ratio(text),
+                "mm" => length(text),
+                _ => number(text),
+            };
             let value = value.filter(|value| (least..=most).contains(value)).ok_or_else(|| {
                 let expected = format!("a number from {least} to {most} {}", column.unit);
                 fault(row.line, &table.names[index], format!("`{text}`"), expected.trim_end().to_owned())
             })?;
             *(column.cell)(&mut read) = Some(value);
         }
-        let Row { key: mut measured, balance_g, friction_g } = read;
+        for &(index, of) in &answers {
+            let text = row.cells.get(index).map_or("", String::as_str);
+            if text.is_empty() {
+                continue;
+            }
+            let wrong = || fault(row.line, &table.names[index], format!("`{text}`"), "yes or no".to_owned());
+            *of(&mut read.conditions) = Some(yes_or_no(text).ok_or_else(wrong)?);
+        }
+        let Row { key: mut measured, balance_g, friction_g, conditions } = read;
         let weights =
             WeightReadings { down_g: measured.down_weight_g, up_g: measured.up_weight_g, balance_g, friction_g };
         (measured.down_weight_g, measured.up_weight_g) =
             weights.down_and_up().map_err(|wrong| fault(row.line, wrong.name, wrong.what, wrong.expected))?;
+        if measured.down_weight_g.or(measured.up_weight_g).is_some() {
+            let refused = |wrong: WeightFault| fault(row.line, wrong.name, wrong.what, wrong.expected);
+            conditions.check_dampers().map_err(refused)?;
+            if conditions.stack_on == Some(false) {
+                let expected = "weights with the stack on; `erard diagnose` takes these for the key's own friction";
+                let what = "down-weight or up-weight with the stack off".to_owned();
+                return Err(fault(row.line, "stack_on", what, expected.to_owned()));
+            }
+        }
+        let factor = conditions.factor(row.key);
+        for weight in [
+            &mut measured.down_weight_g,
+            &mut measured.up_weight_g,
+            &mut measured.front_weight_g,
+            &mut measured.key_ratio,
+            &mut measured.assist_g,
+        ] {
+            *weight = weight.map(|own| own * factor);
+        }
+        measured.is_untapped = conditions.is_untapped();
         if let (Some(down), Some(up)) = (measured.down_weight_g, measured.up_weight_g)
             && up > down
         {

@@ -9,6 +9,7 @@ use super::model::KeyModel;
 use super::neighbours::{Apart, Weighed, apart};
 use super::smooth::smooth;
 use crate::measure::norms::lines;
+use crate::measure::usual::usual;
 
 /// A balance weight nearer to its target stays, g: D and U are weighed in steps of 2 g.
 pub const LEAST_BALANCE_G: f64 = 2.0;
@@ -18,6 +19,9 @@ const HAMMER_STEP_G: f64 = 0.1;
 pub const MOST_CAPSTAN_MM: f64 = 8.0;
 /// Aftertouch that a move of 1 mm toward the player costs, mm: 3 to 6.5 mm on five drawn grands (effects.csv).
 pub const AFTERTOUCH_PER_CAPSTAN: f64 = 0.18;
+/// Most that springs or magnets take off, g: above 10 to 15 g technicians do not like the touch (Love, Pianotech list,
+/// June 2003).
+const MOST_ASSIST_G: f64 = 15.0;
 /// Share by which a strike weight after the work may be out of its usual range: beyond, the shank would be bare.
 const STRIKE_ROOM: f64 = 0.1;
 /// Step of front weight where no leads are named, g.
@@ -58,17 +62,25 @@ pub enum Remedy {
     Strike(f64),
     /// Move of the capstan toward the player, mm.
     Capstan(f64),
+    /// More of what springs or magnets take off, g.
+    Assist(f64),
 }
 
 /// Reason why a remedy is withheld.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {
-    /// The capstan would leave the heel, or the aftertouch would be used up.
+    /// The capstan would leave the heel.
     Heel,
+    /// The aftertouch would be this, mm, and no dip in its range makes up for it.
+    Aftertouch(f64),
+    /// Springs or magnets would take this off, g.
+    Assist(f64),
     /// The strike weight would be this, g, far out of its usual range.
     StrikeWeight(f64),
     /// The model does not do what the equation says, g; `None` if no weight moves the key.
     Model(Option<f64>),
+    /// At a checked key the model does not do what the equation says of a move that is no larger.
+    AsChecked,
 }
 
 /// A remedy that is not given.
@@ -123,6 +135,9 @@ pub struct BalancedKey {
     pub strike_change_g: Option<f64>,
     /// Move of the capstan toward the player that would suffice alone, mm; `None` also if it is withheld.
     pub capstan_move_mm: Option<f64>,
+    /// More of what springs or magnets take off that would suffice alone, g; `None` for a key without them, and if it
+    /// is withheld.
+    pub assist_change_g: Option<f64>,
     /// Remedies out of bounds, or refuted by the model.
     pub withheld: Vec<Withheld>,
     /// Balance weight after the leads (and the hammer, if it is changed first), g.
@@ -157,6 +172,7 @@ pub fn plan(measured: &[MeasuredKey], models: &[KeyModel; KEYS], target: Target,
             strike_weight_g,
             whippen_weight_g: key.whippen_weight_g.unwrap_or(model.whippen_weight_g),
             key_ratio: key.key_ratio.unwrap_or(model.key_ratio),
+            assist_g: key.assist_g.unwrap_or(0.0),
         });
         ratios[key.key - 1] = parts.zip(key.balance()).map(|(parts, own)| parts.ratio(own.balance_weight_g()));
     }
@@ -221,6 +237,20 @@ fn strike_range_g(key: usize) -> [f64; 2] {
     [low.unwrap_or(0.0), high.unwrap_or(f64::INFINITY)]
 }
 
+/// Bound of a capstan's move by the aftertouch of a key, where that was read: a move to the player takes aftertouch,
+/// and a deeper dip gives it back, as far as dips are usual.
+fn aftertouch_bound(key: &MeasuredKey, by_mm: f64) -> Option<Bound> {
+    let range = |line: &str| usual(line).map_or([None; 2], |range| range.faults(key.key));
+    let then_mm = key.aftertouch_mm? - AFTERTOUCH_PER_CAPSTAN * by_mm;
+    let ([low, high], [shallow, deep]) = (range("aftertouch_mm"), range("dip_mm"));
+    let room =
+        |end: Option<f64>, sign: f64| key.dip_mm.zip(end).map_or(0.0, |(now, end)| (sign * (end - now)).max(0.0));
+    let is_short = low.is_some_and(|low| then_mm + room(deep, 1.0) < low);
+    let is_long = high.is_some_and(|high| then_mm - room(shallow, -1.0) > high);
+    // What is out already and comes nearer is no reason against it.
+    ((is_short && by_mm > 0.0) || (is_long && by_mm < 0.0)).then_some(Bound::Aftertouch(then_mm))
+}
+
 fn balanced(
     key: &MeasuredKey,
     model: &KeyModel,
@@ -240,6 +270,7 @@ fn balanced(
         strike_weight_g,
         whippen_weight_g,
         key_ratio,
+        assist_g: key.assist_g.unwrap_or(0.0),
     });
     let weighed = known.balance.map(|balance| balance.balance_weight_g());
     let balance_weight_g = weighed.or_else(|| Some(parts?.balance_weight_g(ratio?)));
@@ -288,9 +319,17 @@ fn balanced(
         !is_out
     });
     let capstan_move_mm = capstan_move_mm.filter(|by_mm| {
-        let is_out = by_mm.abs() > MOST_CAPSTAN_MM;
-        withheld.extend(is_out.then_some(Withheld { remedy: Remedy::Capstan(*by_mm), bound: Bound::Heel }));
-        !is_out
+        let too_far = (by_mm.abs() > MOST_CAPSTAN_MM).then_some(Bound::Heel);
+        let bound = too_far.or_else(|| aftertouch_bound(key, *by_mm));
+        withheld.extend(bound.map(|bound| Withheld { remedy: Remedy::Capstan(*by_mm), bound }));
+        bound.is_none()
+    });
+    let assist_change_g = balance_weight_g.zip(key.assist_g).map(|(balance_g, _)| balance_g - target_g);
+    let assist_change_g = assist_change_g.filter(|by_g| {
+        let then_g = key.assist_g.unwrap_or(0.0) + by_g;
+        let bound = (!(0.0..=MOST_ASSIST_G).contains(&then_g)).then_some(Bound::Assist(then_g));
+        withheld.extend(bound.map(|bound| Withheld { remedy: Remedy::Assist(*by_g), bound }));
+        bound.is_none()
     });
     let after_balance_weight_g = balance_then_g.zip(front_change_g).map(|(g, by_g)| g - by_g);
     let after_strike_g = strike_weight_g.map(|now| now + hammer_change_g);
@@ -318,6 +357,7 @@ fn balanced(
         leads,
         strike_change_g,
         capstan_move_mm,
+        assist_change_g,
         withheld,
         after_balance_weight_g,
         after_inertia_kg,

@@ -175,6 +175,11 @@ pub(super) fn number(text: &str) -> Option<f64> {
     Quantity::Weight.read_in(text, "g").ok()
 }
 
+/// Reads a length in mm, which is also the unit of a number without one.
+pub(super) fn length(text: &str) -> Option<f64> {
+    Quantity::Length.read_in(text, "mm").ok()
+}
+
 /// Reads a number without a unit.
 pub(super) fn ratio(text: &str) -> Option<f64> {
     Quantity::Number.read(text, Bare::Si).ok()

@@ -1,18 +1,19 @@
 //! Answer in sentences, and as JSON: the same for every front.
 
-use erard::keyboard::note_name;
+use erard::keyboard::{KEYS, note_name};
 use serde_json::{Value, json};
 
 use super::cause::{Cause, Look};
 use super::entry::{Entry, Impossible, entries, readings};
 use super::geometry::Band;
-use super::report::{Diagnosis, Judged, Ranked, Standing, Suggestion, WEIGH_AGAIN_G};
+use crate::worklist::SECTION_ENDS;
+
+use super::report::{Diagnosis, Judged, LEVERAGE_ORDER, Ranked, Standing, Suggestion, WEIGH_AGAIN_G};
 
 /// Number of looks on a page.
 const LOOKS: usize = 2;
-/// Places of friction and of leverage in the order of work.
+/// Place of friction in the order of work.
 const FRICTION_ORDER: u32 = 1;
-const LEVERAGE_ORDER: u32 = 11;
 
 /// Basis of every answer, a sentence.
 pub const BASIS: &str = "What a cause does to each reading is simulated on grands around the built-in concert-grand, not on your piano; how \
@@ -45,10 +46,14 @@ impl Diagnosis {
     #[must_use]
     pub fn verdict(&self) -> String {
         if !self.is_work() {
-            let doubtful = self.lines.iter().any(|line| line.standing == Standing::Doubtful);
-            let again = if doubtful { " Take those marked ? again." } else { "" };
+            let again = if self.is_doubtful() { " Take those marked ? again." } else { "" };
+            let names: Vec<&str> = self.undecided.iter().map(|ranked| ranked.cause.name.as_str()).collect();
+            let then = match &names[..] {
+                [] => String::new(),
+                names => format!(" If they read the same, it may be: {}.", names.join("; ")),
+            };
             return format!(
-                "No reading is out of its usual range by more than it may be off: no work.{again} What was not measured was not judged."
+                "No reading is out of its usual range by more than it may be off: no work.{again}{then} What was not measured was not judged."
             );
         }
         match (self.looks.first().filter(|_| self.is_look), &self.causes[..]) {
@@ -64,6 +69,9 @@ impl Diagnosis {
     /// Returns the sentence on causes that the readings do not separate; `None` if there are none.
     #[must_use]
     pub fn open_question(&self) -> Option<String> {
+        if !self.is_work() {
+            return None;
+        }
         let names: Vec<&str> = self.undecided.iter().map(|ranked| ranked.cause.name.as_str()).collect();
         let (last, others) = names.split_last()?;
         Some(match others {
@@ -134,40 +142,64 @@ impl Diagnosis {
     }
 }
 
-/// Cause that is named at most of the keys of a piano with work: it is one, and looked for once.
+/// Cause that is named at most of the keys with work of a piano, or of a section: it is one, and looked for once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Common {
     /// The cause.
     pub cause: &'static Cause,
     /// Keys at which it is named.
     pub keys: Vec<usize>,
-    /// Number of keys with work.
+    /// Number of keys with work, of the piano or the section.
     pub of: usize,
+    /// First and last key of the section; `None` for a cause of the whole piano.
+    pub section: Option<[usize; 2]>,
 }
 
 /// Fewest keys of a common cause.
 const COMMON_KEYS: usize = 3;
 
-/// Returns the cause that is named at three keys and at half of those with work; `None` without one.
+/// Returns the causes that are named at three keys and at half of those with work: of the piano, or else of its
+/// sections, which end at `section_ends`, the highest excepted.
 #[must_use]
-pub fn common(found: &[Diagnosis]) -> Option<Common> {
-    let of = found.iter().filter(|one| one.is_work()).count();
+pub fn common(found: &[Diagnosis], section_ends: &[usize]) -> Vec<Common> {
+    let starts = std::iter::once(1).chain(section_ends.iter().map(|end| end + 1));
+    let sections: Vec<[usize; 2]> =
+        starts.zip(section_ends.iter().copied().chain([KEYS])).map(|(from, to)| [from, to]).collect();
+    let whole = common_of(found, None).filter(|whole| {
+        // A cause of the whole piano is named in each of its sections with some work.
+        sections.iter().all(|[from, to]| {
+            let is_in = |key: &usize| (from..=to).contains(&key);
+            let work = found.iter().filter(|one| one.is_work() && is_in(&one.key)).count();
+            work < COMMON_KEYS || whole.keys.iter().any(is_in)
+        })
+    });
+    match whole {
+        Some(whole) => vec![whole],
+        None => sections.into_iter().filter_map(|section| common_of(found, Some(section))).collect(),
+    }
+}
+
+fn common_of(found: &[Diagnosis], section: Option<[usize; 2]>) -> Option<Common> {
+    let is_in = |one: &&Diagnosis| section.is_none_or(|[from, to]| (from..=to).contains(&one.key));
+    let found: Vec<&Diagnosis> = found.iter().filter(is_in).filter(|one| one.is_work()).collect();
     let at = |cause: &'static Cause| -> Vec<usize> {
-        let named = |one: &&Diagnosis| one.causes.iter().any(|ranked| ranked.cause == cause);
+        let named = |one: &&&Diagnosis| one.causes.iter().any(|ranked| ranked.cause == cause);
         found.iter().filter(named).map(|one| one.key).collect()
     };
     let most = super::cause::causes().iter().map(|cause| (cause, at(cause))).max_by_key(|(_, keys)| keys.len());
-    let (cause, keys) = most.filter(|(_, keys)| keys.len() >= COMMON_KEYS && 2 * keys.len() >= of)?;
-    Some(Common { cause, keys, of })
+    let (cause, keys) = most.filter(|(_, keys)| keys.len() >= COMMON_KEYS && 2 * keys.len() >= found.len())?;
+    Some(Common { cause, keys, of: found.len(), section })
 }
 
 impl Common {
     /// Returns the sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
-        let Common { cause, keys, of } = self;
+        let Common { cause, keys, of, section } = self;
+        let place =
+            section.map_or(String::new(), |[from, to]| format!(" from {} to {}", note_name(from), note_name(to)));
         format!(
-            "{} of {of} keys with work say the same, so that the cause is one: {}. {}",
+            "{} of {of} keys with work{place} say the same, so that the cause is one: {}. {}",
             keys.len(),
             cause.name,
             "Mend it on sample keys first, then measure all keys again."
@@ -183,8 +215,18 @@ pub fn answer(found: &[Diagnosis], readings_from: Option<&str>, is_key_assumed: 
         "readings_from": readings_from,
         "is_key_assumed": is_key_assumed,
         "rests_on": BASIS,
-        "common": common(found).map(|one| json!({"cause": one.cause.key, "name": one.cause.name, "keys": one.keys, "of": one.of})),
+        "common": common(found, &SECTION_ENDS).iter().map(of_common).collect::<Vec<_>>(),
         "keys": found.iter().map(of_key).collect::<Vec<_>>(),
+    })
+}
+
+fn of_common(one: &Common) -> Value {
+    json!({
+        "cause": one.cause.key,
+        "name": one.cause.name,
+        "keys": one.keys,
+        "of": one.of,
+        "section": one.section,
     })
 }
 
@@ -230,6 +272,7 @@ fn of_line(line: &Judged) -> Value {
         "usual_low": line.usual.map_or(Value::Null, |[low, _]| end(low)),
         "usual_high": line.usual.map_or(Value::Null, |[_, high]| end(high)),
         "standing": standing,
+        "neighbours": line.neighbours.map(rounded),
         "likely_reason": why,
     })
 }

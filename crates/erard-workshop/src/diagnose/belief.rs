@@ -3,13 +3,15 @@
 //! Under a set of causes the readings are normal: the mean of sound keys plus the effects of the causes, with the
 //! covariance of sound keys, the scatter of effects from grand to grand, and the reading's own error. A cause has
 //! grades between its light and its heavy case, all equally likely, and beyond it up to the largest size that is met,
-//! half as likely. Sets of up to four causes are compared; their prior is the product of the causes' odds. A reading
-//! that was taken proves that its event took place: a cause that prevents the event seldom is there. One more
-//! hypothesis represents other faults, with readings anywhere.
+//! half as likely. The reading less the effects lies in the range of sound keys. Sets of up to four causes are
+//! compared; their prior is the product of the causes' odds. A reading that was taken proves that its event took place:
+//! a cause that prevents the event seldom is there. One more hypothesis represents other faults, with readings
+//! anywhere.
 
 use super::cause::causes;
 use super::cause::{Beyond, Cause, Change};
 use super::effect::{BALANCE, CHECK, Effect, FEATURES, FRICTION, Features, N, NOT_CAUGHT_MM, effects, precision};
+use super::entry::at::STRIKE;
 use super::healthy::Healthy;
 use super::inject::injected_amount;
 use super::normal::{log_density, log_sum};
@@ -27,26 +29,36 @@ const OTHER: f64 = 0.003;
 /// Spread of the readings then, in standard deviations of sound keys.
 const ANYWHERE: f64 = 8.0;
 
-/// A reading: a sum of features, its value, and its standard error.
+/// A reading: a sum of features, its value, its standard error, and the range of sound keys, in which the reading less
+/// the effects of causes lies.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Row {
     pub of: Vec<(usize, f64)>,
     pub value: f64,
     pub error: f64,
+    pub range: Option<[f64; 2]>,
 }
+
+/// Least logarithm of the probability that a key is sound outside its range: ranges are not that sharp.
+const LEAST_IN_RANGE: f64 = -6.0;
 
 impl Row {
     /// A feature as read: uniform within its precision, so that its standard error is the precision over the root of 3.
     pub(super) fn of(feature: usize, value: f64) -> Self {
         // Balance and friction weight come from two readings each: their errors are smaller by the root of 2.
         let share = if [BALANCE, FRICTION].contains(&feature) { 6.0 } else { 3.0 };
-        Row { of: vec![(feature, 1.0)], value, error: precision(feature) / libm::sqrt(share) }
+        Row { of: vec![(feature, 1.0)], value, error: precision(feature) / libm::sqrt(share), range: None }
     }
 
     /// The hammer is not caught.
     pub(super) fn not_caught() -> Self {
         let [value, error] = NOT_CAUGHT_MM;
-        Row { of: vec![(CHECK, 1.0)], value, error }
+        Row { of: vec![(CHECK, 1.0)], value, error, range: None }
+    }
+
+    /// The same with the range of sound keys.
+    pub(super) fn within(self, range: Option<[f64; 2]>) -> Self {
+        Row { range, ..self }
     }
 
     fn project(&self, features: impl Fn(usize) -> f64) -> f64 {
@@ -67,6 +79,8 @@ struct Atom {
     /// Half the distance to the next grades, as a standard deviation.
     along: [f64; N],
     spread: [f64; N],
+    /// Feature that another screw has put where it is.
+    loose: Option<usize>,
 }
 
 /// A set of graded causes.
@@ -104,6 +118,12 @@ const LOOSE_MM: f64 = 2.0;
 /// Uncertainty of the balance weight, g per gram of friction: Kawai KG-2 (CAUT list, March 2004), 45 g at a friction
 /// weight of 25 g, 39 g at 9 g; in the model a tight flange adds 0.14 g.
 pub(super) const BALANCE_PER_FRICTION: f64 = 0.3;
+
+/// Standard deviation of the ends of a range of sound keys: half a strike-weight curve, which a set of hammers may be
+/// heavier than medium ones; else a quarter of a reading's precision. Estimates.
+fn end_sd(feature: usize) -> f64 {
+    if feature == STRIKE { 0.25 } else { 0.25 * precision(feature) }
+}
 
 fn feature(name: &str) -> usize {
     FEATURES.iter().position(|own| *own == name).unwrap_or_default()
@@ -165,7 +185,7 @@ fn atoms_of(at: usize, cause: &Cause, cases: &[Effect; 3]) -> Vec<Atom> {
         let along = std::array::from_fn(|i| {
             before[i].zip(after[i]).map_or(0.0, |(before, after)| (after - before) / libm::sqrt(12.0))
         });
-        all.push(Atom { cause: at, case, prior: 0.0, prevents, mean: known, along, spread });
+        all.push(Atom { cause: at, case, prior: 0.0, prevents, mean: known, along, spread, loose: None });
     }
     if let Some(beyond) = &cause.beyond {
         let heavy = all[GRADES - 1].clone();
@@ -213,7 +233,7 @@ fn atoms_beyond(cause: &Cause, beyond: &Beyond, cases: &[Effect; 3], heavy: &Ato
             let along = slope.map(|slope| slope * way / steps / libm::sqrt(12.0));
             // The case as it would be counted: its amount goes on in proportion to the line.
             let case = 3.0 + f64::from(n) / steps;
-            Atom { cause: heavy.cause, case, prior: 0.0, prevents, mean, along, spread }
+            Atom { cause: heavy.cause, case, prior: 0.0, prevents, mean, along, spread, loose }
         })
         .collect()
 }
@@ -309,11 +329,37 @@ impl Belief {
             self.rows.iter().filter(is_prevented).count() as f64
         };
         let prevented: f64 = atoms.iter().map(|atom| taken(&&self.atoms[*atom])).sum();
-        let prior = prior + prevented * libm::log(TOOK_PLACE);
+        let in_range: f64 = self.rows.iter().map(|row| self.in_range(row, atoms, is_other)).sum();
+        let prior = prior + prevented * libm::log(TOOK_PLACE) + in_range;
         match self.predicted(atoms, is_other) {
             Some(predicted) => prior + log_density(&predicted.factor, &predicted.off),
             None => f64::NEG_INFINITY,
         }
+    }
+
+    /// Logarithm of the probability that a reading less the effects of these causes lies in the range of sound keys.
+    fn in_range(&self, row: &Row, atoms: &[usize], is_other: bool) -> f64 {
+        let Some([low, high]) = row.range else { return 0.0 };
+        let is_loose =
+            |atom: &usize| self.atoms[*atom].loose.is_some_and(|loose| row.of.iter().any(|(f, _)| *f == loose));
+        if atoms.iter().any(is_loose) {
+            return 0.0;
+        }
+        let end: f64 = row.of.iter().map(|(feature, _)| end_sd(*feature).powi(2)).sum();
+        let (mut sound, mut variance) = (row.value, row.error * row.error + end);
+        if is_other {
+            let own = row.project(|a| row.project(|b| self.healthy.covariance[a][b]));
+            variance += ANYWHERE * ANYWHERE * own;
+        }
+        for atom in atoms.iter().map(|atom| &self.atoms[*atom]) {
+            sound -= row.project(|i| atom.mean[i]);
+            variance +=
+                row.of.iter().map(|(f, by)| by * by * (atom.spread[*f].powi(2) + atom.along[*f].powi(2))).sum::<f64>();
+        }
+        let sd = libm::sqrt(variance);
+        // The share of a normal distribution above an end, 1 for an open one below.
+        let above = |end: f64| 0.5 * libm::erfc((end - sound) / (sd * std::f64::consts::SQRT_2));
+        libm::log(above(low) - above(high)).max(LEAST_IN_RANGE)
     }
 
     /// Returns the probability of every cause.

@@ -33,6 +33,21 @@ pub struct Cause {
     pub source: String,
 }
 
+impl Cause {
+    /// Reading that is this cause, of springs, leverage, hammers and leads: nobody is sent to work on what was read and
+    /// is in its range. Other screws are turned within their ranges to bring another reading in, and too little lead
+    /// has no such end: `None`.
+    pub(super) fn own_line(&self) -> Option<&'static str> {
+        match self.key.as_str() {
+            "spring_weak" | "spring_strong" => Some("repetition_spring_m_per_s"),
+            "hammer_heavy" | "hammer_light" => Some("strike_weight_g"),
+            "ratio_high" | "ratio_low" => Some("strike_weight_ratio"),
+            "leads_many" => Some("front_weight_g"),
+            _ => None,
+        }
+    }
+}
+
 /// Changes larger than the heavy case of the table.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -5,13 +5,16 @@ use erard::keyboard::is_sharp;
 use erard::parameter::{NumberError, Quantity as Physical};
 
 use super::bench::Bench;
-use crate::balance::{BALANCE_LIMITS_G, FRICTION_LIMITS_G, Lead, WeightReadings};
+use crate::balance::{
+    ASSIST_LIMITS_G, BALANCE_LIMITS_G, Conditions, FRICTION_LIMITS_G, Lead, PLACES_MM, WeightFault, WeightReadings,
+};
+use crate::balance::{UNTAPPED_G, USUAL_PLACE_MM};
 use crate::measure::usual::{ratio_range, usual};
 use crate::worklist::{ReadingQuantity, Readings};
 use erard::parameter::canonical_name;
 
 /// Number of entries.
-pub(super) const ENTRIES: usize = 22;
+pub(super) const ENTRIES: usize = 23;
 
 /// Quantity that can be measured on a real key.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,6 +74,7 @@ pub(super) mod at {
     pub(crate) const SWINGS: usize = 18;
     pub(crate) const WHIPPEN: usize = 19;
     pub(crate) const KEY_RATIO: usize = 20;
+    pub(crate) const ASSIST: usize = 22;
 }
 
 const TABLE: [Entry; ENTRIES] = [
@@ -285,6 +289,16 @@ const TABLE: [Entry; ENTRIES] = [
         1,
         "key travel before the hammer moves, by strips under the key's front or by eye",
     ),
+    entry(
+        "assist_g",
+        "springs or magnets take off",
+        "g",
+        &["assist", "spring_assist", "magnets"],
+        ASSIST_LIMITS_G,
+        1.0,
+        1,
+        "of springs at the whippen or of magnets: balance weight without them less balance weight with them",
+    ),
 ];
 
 /// Weights that may be read instead of down-weight and up-weight, which follow from them.
@@ -311,6 +325,55 @@ const INSTEAD: [Entry; 2] = [
     ),
 ];
 
+/// Conditions of the weighing, instead of readings: the place of the weights, then questions of yes and no.
+const CONDITIONS: [Entry; 4] = [
+    entry(
+        "measured_at_mm",
+        "place of the weights",
+        "mm",
+        &["measured_at", "measuring_point"],
+        PLACES_MM,
+        1.0,
+        0,
+        "where down-weight, up-weight, front weight and key ratio were taken, from the key's front edge, of a sharp from its own \
+         [default: 13]",
+    ),
+    entry(
+        "tapped",
+        "key tapped",
+        YES_OR_NO,
+        &[],
+        [0.0, 1.0],
+        0.0,
+        0,
+        "whether the key was tapped as it was weighed, so that it did not stick [default: yes]",
+    ),
+    entry(
+        "dampers_lifted",
+        "dampers lifted",
+        YES_OR_NO,
+        &[],
+        [0.0, 1.0],
+        0.0,
+        0,
+        "whether the pedal was down as the key was weighed [default: yes]",
+    ),
+    entry(
+        "stack_on",
+        "stack on",
+        YES_OR_NO,
+        &[],
+        [0.0, 1.0],
+        0.0,
+        0,
+        "whether the stack was on the keys; without it, the key's back held down, down-weight and up-weight are those of the key alone \
+         [default: yes]",
+    ),
+];
+
+/// Unit of an answer.
+pub(super) const YES_OR_NO: &str = "yes|no";
+
 /// Range at a key beyond which a reading is a fault, open ends infinite; `None` if there is none.
 pub(super) fn usual_range(line: &str, key: usize) -> Option<[f64; 2]> {
     let [low, high] = usual(line)?.faults(key);
@@ -323,10 +386,11 @@ pub fn entries() -> &'static [Entry] {
     &TABLE
 }
 
-/// Returns all that can be entered: the entries, and balance weight and friction weight instead of two of them.
+/// Returns all that can be entered: the entries, balance weight and friction weight instead of two of them, and the
+/// conditions of the weighing.
 pub fn readings() -> impl Iterator<Item = &'static Entry> {
     let [weights, others] = [&TABLE[..=at::UP], &TABLE[at::UP + 1..]];
-    weights.iter().chain(&INSTEAD).chain(others)
+    weights.iter().chain(&INSTEAD).chain(others).chain(&CONDITIONS)
 }
 
 impl Entry {
@@ -414,6 +478,12 @@ pub struct Known {
     pub leads: Vec<Lead>,
     /// BW and F as read, g, until [`Known::settle`].
     instead: [Option<f64>; 2],
+    /// Conditions of the weighing, until [`Known::settle`].
+    conditions: Conditions,
+    /// Whether starting friction is in the weights.
+    pub(super) is_untapped: bool,
+    /// What the conditions changed, a sentence each.
+    pub(super) notes: Vec<String>,
 }
 
 /// An impossible reading.
@@ -439,8 +509,16 @@ impl Known {
         self.values[at]
     }
 
-    /// Sets a value by the entry's name; other names are ignored.
+    /// Sets a value by the entry's name, 1 or 0 for yes or no; other names are ignored.
     pub fn set(&mut self, name: &str, value: Option<f64>) {
+        let answer = value.map(|value| value != 0.0);
+        match name {
+            "measured_at_mm" => self.conditions.measured_at_mm = value,
+            "tapped" => self.conditions.tapped = answer,
+            "dampers_lifted" => self.conditions.dampers_lifted = answer,
+            "stack_on" => self.conditions.stack_on = answer,
+            _ => {}
+        }
         if let Some(at) = TABLE.iter().position(|entry| entry.name == name) {
             self.values[at] = value;
         } else if let Some(at) = INSTEAD.iter().position(|entry| entry.name == name) {
@@ -448,20 +526,62 @@ impl Known {
         }
     }
 
-    /// Replaces balance weight and friction weight by the down-weight and the up-weight that follow from them.
+    /// Replaces balance weight and friction weight by the down-weight and the up-weight that follow from them, and
+    /// weights by those under the usual conditions: at the usual place of `key`, with the dampers lifted and the stack
+    /// on.
     ///
     /// # Errors
-    /// One of them alone, or one that contradicts the down-weight and the up-weight.
-    pub fn settle(&mut self) -> Result<(), Impossible> {
+    /// One of them alone, one that contradicts the down-weight and the up-weight, or weights with a damper in them.
+    pub fn settle(&mut self, key: usize) -> Result<(), Impossible> {
         let [balance_g, friction_g] = std::mem::take(&mut self.instead);
         let [down_g, up_g] = [self.values[at::DOWN], self.values[at::UP]];
         let read = WeightReadings { down_g, up_g, balance_g, friction_g };
-        (self.values[at::DOWN], self.values[at::UP]) = read.down_and_up().map_err(|fault| Impossible {
-            entry: fault.name,
-            what: fault.what,
-            expected: fault.expected,
-        })?;
+        let impossible = |WeightFault { name, what, expected }: WeightFault| Impossible { entry: name, what, expected };
+        (self.values[at::DOWN], self.values[at::UP]) = read.down_and_up().map_err(impossible)?;
+        let conditions = std::mem::take(&mut self.conditions);
+        let is_weighed = self.values[at::DOWN].or(self.values[at::UP]).is_some();
+        if is_weighed {
+            conditions.check_dampers().map_err(impossible)?;
+        }
+        let factor = conditions.factor(key);
+        if let Some(at_mm) = conditions.measured_at_mm.filter(|_| factor != 1.0) {
+            for at in [at::DOWN, at::UP, at::FRONT, at::KEY_RATIO, at::ASSIST] {
+                self.values[at] = self.values[at].map(|own| factor * own);
+            }
+            self.notes.push(format!(
+                "weights were taken {at_mm} mm from the key's edge: all are shown as at the usual {USUAL_PLACE_MM} mm, times {factor:.3}"
+            ));
+        }
+        if is_weighed && conditions.stack_on == Some(false) {
+            let Some(own_g) = self.friction_g() else {
+                return Err(Impossible {
+                    entry: "stack_on",
+                    what: "one weight with the stack off".to_owned(),
+                    expected: "down-weight and up-weight of the key alone: half their difference is its friction"
+                        .to_owned(),
+                });
+            };
+            if self.values[at::KEY_ALONE].replace(own_g).is_some() {
+                return Err(Impossible {
+                    entry: "stack_on",
+                    what: "down-weight and up-weight with the stack off beside a friction of the key alone".to_owned(),
+                    expected: "one of the two".to_owned(),
+                });
+            }
+            (self.values[at::DOWN], self.values[at::UP]) = (None, None);
+            self.notes.push("with the stack off, half of D less U is the friction of the key alone".to_owned());
+        } else if is_weighed && conditions.is_untapped() {
+            self.is_untapped = true;
+            self.notes.push(format!(
+                "the key was not tapped: starting friction is in D and U, and friction may be {UNTAPPED_G} g less (an estimate)"
+            ));
+        }
         Ok(())
+    }
+
+    /// Returns what springs at the whippen or magnets take off the balance weight, g.
+    pub(super) fn assist_g(&self) -> f64 {
+        self.values[at::ASSIST].unwrap_or(0.0)
     }
 
     /// Whether no reading is known.
@@ -575,6 +695,36 @@ mod tests {
         {
             assert!(TABLE.iter().any(|own| own.name == entry && own.is_called(name)), "{name}");
         }
+    }
+
+    /// Conditions of the weighing: weights at the usual place, the friction of the key alone, and refusals.
+    #[test]
+    fn conditions_of_the_weighing() {
+        let with = |pairs: &[(&str, f64)], key: usize| {
+            let mut known = Known::default();
+            pairs.iter().for_each(|(name, value)| known.set(name, Some(*value)));
+            known.settle(key).map(|()| known)
+        };
+        // At the edge the arm is 13 mm longer than 250 mm: 50 g there are 52.6 g.
+        let [down, up, at] = [("down_weight_g", 50.0), ("up_weight_g", 25.0), ("measured_at_mm", 0.0)];
+        let edge = with(&[down, up, at], 40).unwrap();
+        assert!((edge.at(at::DOWN).unwrap() - 52.6).abs() < 1e-9 && edge.notes.len() == 1, "{edge:?}");
+        assert_eq!(with(&[down, up, ("measured_at_mm", 13.0)], 40), with(&[down, up], 40));
+        // Stanwood's protocol (Pianotech list, 1 July 2002): stack off, key's back held down, (D - U) / 2.
+        let alone = with(&[("down_weight_g", 9.0), ("up_weight_g", 3.0), ("stack_on", 0.0)], 40).unwrap();
+        assert_eq!((alone.get("key_alone_friction_g"), alone.at(at::DOWN)), (Some(3.0), None));
+        assert!(with(&[down, up, ("tapped", 0.0)], 40).unwrap().is_untapped);
+        assert_eq!(with(&[down, up, ("tapped", 1.0), ("dampers_lifted", 1.0)], 40), with(&[down, up], 40));
+        for (pairs, told) in [
+            (&[down, ("dampers_lifted", 0.0)][..], "with the pedal down"),
+            (&[down, ("stack_on", 0.0)], "down-weight and up-weight of the key alone"),
+            (&[down, up, ("stack_on", 0.0), ("key_alone_friction_g", 3.0)], "one of the two"),
+        ] {
+            let error = with(pairs, 40).unwrap_err().to_string();
+            assert!(error.contains(told), "{error}");
+        }
+        // Without weights there is nothing to refuse.
+        assert!(with(&[("dip_mm", 10.0), ("dampers_lifted", 0.0)], 40).is_ok());
     }
 
     /// No drop and a large let-off distance are possible together. An up-weight above the down-weight is not.

@@ -46,7 +46,11 @@ impl Geometry {
     /// Computes leverage, front weight and inertia of a key from its readings.
     #[must_use]
     pub fn of(known: &Known, key: usize) -> Self {
-        let mut notes = Vec::new();
+        let mut notes = known.notes.clone();
+        if let (Some(_), Some(down_g), Some(up_g)) = (known.at(at::ASSIST), known.at(at::DOWN), known.at(at::UP)) {
+            let [down_g, up_g] = [down_g, up_g].map(|own| own + known.assist_g());
+            notes.push(format!("without its springs or magnets: D {down_g:.1} g, U {up_g:.1} g"));
+        }
         let front_weight_g = front(known, &mut notes);
         let ratio = ratio(known, front_weight_g, &mut notes);
         let inertia_kg = inertia(known, key, ratio, front_weight_g, &mut notes);
@@ -117,9 +121,10 @@ fn ratio(known: &Known, front: Option<Band>, notes: &mut Vec<String>) -> Option<
         return None;
     };
     let whippen = whippen_at_front(known, notes);
+    let assist = read(known, at::ASSIST).unwrap_or(Band { low: 0.0, high: 0.0 });
     Some(Band {
-        low: (balance - 1.0 + front.low - whippen.high) / strike.high,
-        high: (balance + 1.0 + front.high - whippen.low) / strike.low,
+        low: (balance - 1.0 + front.low + assist.low - whippen.high) / strike.high,
+        high: (balance + 1.0 + front.high + assist.high - whippen.low) / strike.low,
     })
 }
 
@@ -186,6 +191,14 @@ mod tests {
         known.set("key_ratio", Some(0.5));
         let ratio = Geometry::of(&known, 40).ratio.unwrap();
         assert!(ratio.low < 5.5 && ratio.high > 5.5 && ratio.high - ratio.low < 0.6, "{ratio:?}");
+        // A spring that carries the whippen, 9 g, with as much less balance weight: the same leverage.
+        for (name, g) in [("assist_g", 9.0), ("down_weight_g", 41.0), ("up_weight_g", 17.0)] {
+            known.set(name, Some(g));
+        }
+        let sprung = Geometry::of(&known, 40);
+        let (middle, own) = (ratio.low + ratio.high, sprung.ratio.unwrap());
+        assert!((own.low + own.high - middle).abs() < 0.02, "{own:?}");
+        assert!(sprung.notes.iter().any(|note| note.contains("D 50.0 g, U 26.0 g")), "{:?}", sprung.notes);
     }
 
     /// Known places of leads narrow the inertia.

@@ -5,12 +5,13 @@
 //! test, cure), `inject` puts a cause into a simulated action, `effect` holds the effect of each cause on each reading
 //! (`effects.csv`, simulated on an ensemble), `healthy` the distribution of the readings of sound keys, `belief` the
 //! probability of every cause and combination, `next` the most informative measurement, and `geometry` quantities
-//! derived from weights. `report` assembles the answer, `answer` puts it into sentences and JSON, and `typed` reads a
-//! form.
+//! derived from weights. `beside` compares with neighbours, `report` assembles the answer, `answer` puts it into
+//! sentences and JSON, and `typed` reads a form.
 
 mod answer;
 mod belief;
 mod bench;
+mod beside;
 mod cause;
 mod effect;
 mod entry;
@@ -30,6 +31,6 @@ pub use effect::{check_effects, effects_csv};
 pub use entry::{Entry, Impossible, Known, entries, readings};
 pub use geometry::{Band, Geometry};
 pub use inject::{inject, injected_amount};
-pub use report::{Diagnosis, Judged, Ranked, Standing, Suggestion, WEIGH_AGAIN_G, diagnose};
+pub use report::{Diagnosis, Judged, Ranked, Standing, Suggestion, WEIGH_AGAIN_G, diagnose, diagnose_all};
 pub use table::{is_table_of_keys, read, unused_columns};
 pub use typed::Typed;

@@ -5,10 +5,12 @@ use super::belief::{BALANCE_PER_FRICTION, Belief, Row};
 use super::bench::friction_of_swings;
 use super::cause::{Cause, Look, Side, causes, looks};
 use super::effect::{BALANCE, FEATURES, FRICTION, N, of_known, precision};
-use super::entry::{Known, at, entries, usual_range};
+use super::entry::{Known, at, entries, readings, usual_range};
 use super::geometry::Geometry;
 use super::next::next;
+use crate::balance::UNTAPPED_G;
 use crate::measure::usual::usual;
+use erard::Progress;
 
 /// A cause is named if it is more likely than not.
 const NAMED: f64 = 0.5;
@@ -26,6 +28,8 @@ const MORE_LIKELY: f64 = 1.5;
 const MAX_UNDECIDED: usize = 6;
 /// Friction weight from which weights are not yet those of the piano: they are taken again after easing, g.
 pub const WEIGH_AGAIN_G: f64 = 16.0;
+/// Place of leverage in the trade's order of work, before hammers and leads.
+pub(super) const LEVERAGE_ORDER: u32 = 11;
 /// A cure that takes other readings farther out, in precisions, than it brings in is withheld.
 const WORSE: f64 = 1.0;
 /// Least information of a suggested measurement, bits.
@@ -63,6 +67,23 @@ pub struct Judged {
     pub usual: Option<[f64; 2]>,
     /// Position relative to the usual range.
     pub standing: Standing,
+    /// Mean of the neighbours' readings in a table of keys; `None` with fewer than two.
+    pub neighbours: Option<f64>,
+}
+
+impl Judged {
+    /// Returns how far the reading is from the mean of its neighbours.
+    #[must_use]
+    pub fn off_neighbours(&self) -> Option<f64> {
+        Some(self.value? - self.neighbours?)
+    }
+
+    /// Whether it is farther from them than two readings may be off.
+    #[must_use]
+    pub fn is_uneven(&self) -> bool {
+        let entry = readings().find(|entry| entry.name == self.name);
+        entry.zip(self.off_neighbours()).is_some_and(|(entry, off)| off.abs() > 2.0 * entry.precision + 1e-9)
+    }
 }
 
 /// A cause with its probability.
@@ -110,7 +131,8 @@ pub struct Diagnosis {
     /// Named causes, two at most, each more likely than not, in the trade's order of work; empty if no reading is out
     /// of its range by more than its error, or if the readings decide nothing.
     pub causes: Vec<Ranked>,
-    /// Causes that these readings make more likely and do not separate, the likeliest first.
+    /// Causes that these readings make more likely and do not separate, the likeliest first; without work, those that
+    /// it would be if doubtful readings were read again.
     pub undecided: Vec<Ranked>,
     /// Causes more likely than not whose cure is withheld for the present, with the reason.
     pub withheld: Vec<Ranked>,
@@ -120,6 +142,8 @@ pub struct Diagnosis {
     pub is_look: bool,
     /// Whether weights are taken again after friction has been eased: it is above [`WEIGH_AGAIN_G`].
     pub weigh_again: bool,
+    /// Probability of every cause of the table, in its order; empty if no reading is out or doubtful.
+    pub probabilities: Vec<f64>,
     /// Probability that none of the table's causes fits.
     pub something_else: f64,
     /// Reading to take next; `None` if no reading would be informative.
@@ -134,6 +158,24 @@ impl Diagnosis {
     pub fn is_work(&self) -> bool {
         self.lines.iter().any(|line| line.standing == Standing::Out)
     }
+
+    /// Whether some reading is out of its range by less than it may be off.
+    #[must_use]
+    pub fn is_doubtful(&self) -> bool {
+        self.lines.iter().any(|line| line.standing == Standing::Doubtful)
+    }
+}
+
+/// Diagnoses keys from their readings, in ascending order, and compares each with its neighbours. `progress` receives
+/// the share done; what it returns is ignored.
+pub fn diagnose_all(keys: &[(usize, Known)], progress: &mut Progress<'_>) -> Vec<Diagnosis> {
+    let mut found: Vec<Diagnosis> = Vec::with_capacity(keys.len());
+    for (done, (key, known)) in keys.iter().enumerate() {
+        let _ = progress(done as f64 / keys.len() as f64);
+        found.push(diagnose(known, *key));
+    }
+    super::beside::set(&mut found);
+    found
 }
 
 /// Diagnoses a key from its readings.
@@ -150,11 +192,12 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
         looks: Vec::new(),
         is_look: false,
         weigh_again: known.friction_g().is_some_and(|friction_g| friction_g > WEIGH_AGAIN_G),
+        probabilities: Vec::new(),
         something_else: 0.0,
         next: None,
         geometry,
     };
-    if !diagnosis.is_work() {
+    if !diagnosis.is_work() && !diagnosis.is_doubtful() {
         return diagnosis;
     }
     (diagnosis.looks, diagnosis.is_look) = looks_for(&diagnosis.lines);
@@ -168,7 +211,21 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
         let explains = explained(known, &change);
         Ranked { cause: &causes()[cause], probability: of[cause], case, explains, withheld }
     };
+    diagnosis.probabilities.clone_from(&of);
+    diagnosis.something_else = belief.of_other_and_none()[0];
+    let is_told = |ranked: &Ranked| {
+        let prior = ranked.cause.common / (1.0 + ranked.cause.common);
+        ranked.probability >= MORE_LIKELY * prior
+    };
+    let is_own_line_in_range = |ranked: &Ranked| {
+        let own = ranked.cause.own_line();
+        diagnosis.lines.iter().any(|line| own == Some(line.name) && line.standing == Standing::Inside)
+    };
     let likely = order.iter().take_while(|cause| of[**cause] >= LEAST).map(|cause| ranked(*cause));
+    if !diagnosis.is_work() {
+        diagnosis.undecided = likely.filter(is_told).take(MAX_UNDECIDED).collect();
+        return diagnosis;
+    }
     let place = |ranked: &Ranked| causes().iter().position(|own| own.key == ranked.cause.key).unwrap_or_default();
     let is_decided = |ranked: &Ranked| {
         let own = place(ranked);
@@ -176,20 +233,28 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
         let mut rivals = rivals.filter(|other| belief.together(own, *other) < RIVAL * of[own].min(of[*other]));
         rivals.all(|other| of[own] / of[other] >= BY_READINGS * causes()[own].common / causes()[other].common)
     };
-    let is_likely = |ranked: &Ranked| ranked.probability >= NAMED && is_decided(ranked);
-    let (likely, others): (Vec<Ranked>, Vec<Ranked>) = likely.partition(is_likely);
+    let is_likely =
+        |ranked: &Ranked| ranked.probability >= NAMED && is_decided(ranked) && !is_own_line_in_range(ranked);
+    let (mut likely, others): (Vec<Ranked>, Vec<Ranked>) = likely.partition(is_likely);
+    let makes_up: Vec<&str> = likely.iter().flat_map(|ranked| made_up_by(&ranked.cause.key)).copied().collect();
+    for ranked in likely.iter_mut().filter(|ranked| makes_up.contains(&&*ranked.cause.key)) {
+        ranked.withheld.get_or_insert_with(|| MADE_UP.to_owned());
+    }
+    // Of leverage, hammers and leads, one at a time.
+    let weights = likely.iter().filter(|ranked| ranked.cause.order >= LEVERAGE_ORDER);
+    if let Some(first) = weights.map(|ranked| ranked.cause).min_by_key(|cause| cause.order) {
+        let name = first.name.split(':').next().unwrap_or_default();
+        for ranked in likely.iter_mut().filter(|ranked| ranked.cause.order > first.order) {
+            ranked.withheld.get_or_insert_with(|| format!("{name} comes first, and then all weights are taken again"));
+        }
+    }
     let (withheld, mut named): (Vec<Ranked>, Vec<Ranked>) =
         likely.into_iter().partition(|ranked| ranked.withheld.is_some());
     diagnosis.withheld = withheld;
     let rest = named.split_off(named.len().min(MAX_NAMED));
     named.sort_by_key(|ranked| ranked.cause.order);
     diagnosis.causes = named;
-    let is_told = |ranked: &Ranked| {
-        let prior = ranked.cause.common / (1.0 + ranked.cause.common);
-        ranked.probability >= MORE_LIKELY * prior
-    };
     diagnosis.undecided = rest.into_iter().chain(others).filter(is_told).take(MAX_UNDECIDED).collect();
-    diagnosis.something_else = belief.of_other_and_none()[0];
     let features = of_known(known);
     let is_known = |feature: usize| {
         let not_caught = feature == at::CHECK && known.is_not_caught;
@@ -217,6 +282,18 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
         }
     });
     diagnosis
+}
+
+/// Reason why regulation that makes up for a leverage is withheld.
+const MADE_UP: &str = "dip and blow make up for the leverage, which comes first";
+
+/// Regulation that makes up for a leverage: a high one gives much travel for little dip, a low one little.
+fn made_up_by(cause: &str) -> &'static [&'static str] {
+    match cause {
+        "ratio_high" => &["dip_shallow", "hammer_low"],
+        "ratio_low" => &["dip_deep", "hammer_high"],
+        _ => &[],
+    }
 }
 
 /// Causes without a model for the readings that are out, those whose own sign a reading is first; and whether the first
@@ -291,18 +368,31 @@ fn rows(known: &Known, key: usize, geometry: &Geometry) -> Vec<Row> {
     let mut rows: Vec<Row> = (0..N)
         .filter(|feature| *feature < 2 || entries()[*feature].not_judged(key).is_none())
         .filter(|feature| *feature != at::FRONT || derived.is_none())
-        .filter_map(|feature| Some(Row::of(feature, features[feature]?)))
+        .filter_map(|feature| {
+            // Springs and magnets take their part of what leads do.
+            let assist_g = if feature == at::FRONT { known.assist_g() } else { 0.0 };
+            let range = sound_range(feature, key).filter(|_| assist_g == 0.0);
+            Some(Row::of(feature, features[feature]? + assist_g).within(range))
+        })
         .collect();
+    if known.is_untapped {
+        rows.iter_mut().filter(|row| row.of[0].0 == FRICTION).for_each(|row| row.error = row.error.hypot(UNTAPPED_G));
+    }
     if let Some(ratio) = derived {
         // The band adds largest errors, which are about three times the standard error of their sum.
         let error = (ratio.high - ratio.low) / 6.0;
-        rows.push(Row { of: vec![(at::RATIO, 1.0)], value: 0.5 * (ratio.low + ratio.high), error });
+        let (value, range) = (0.5 * (ratio.low + ratio.high), sound_range(at::RATIO, key));
+        rows.push(Row { of: vec![(at::RATIO, 1.0)], value, error, range });
     }
     match (known.at(at::DOWN), known.at(at::UP)) {
         (Some(down), None) => {
-            rows.push(Row { of: vec![(BALANCE, 1.0), (FRICTION, 1.0)], value: down, error: 0.6 });
+            let range = entries()[at::DOWN].range(key);
+            rows.push(Row { of: vec![(BALANCE, 1.0), (FRICTION, 1.0)], value: down, error: 0.6, range });
         }
-        (None, Some(up)) => rows.push(Row { of: vec![(BALANCE, 1.0), (FRICTION, -1.0)], value: up, error: 0.6 }),
+        (None, Some(up)) => {
+            let range = entries()[at::UP].range(key);
+            rows.push(Row { of: vec![(BALANCE, 1.0), (FRICTION, -1.0)], value: up, error: 0.6, range });
+        }
         _ => {}
     }
     if known.is_not_caught {
@@ -311,7 +401,8 @@ fn rows(known: &Known, key: usize, geometry: &Geometry) -> Vec<Row> {
     let is_natural = entries()[at::FRONT].not_judged(key).is_none();
     if let (None, None, Some(front), true) = (derived, known.at(at::FRONT), geometry.front_weight_g, is_natural) {
         let error = (front.high - front.low) / libm::sqrt(12.0);
-        rows.push(Row { of: vec![(at::FRONT, 1.0)], value: 0.5 * (front.low + front.high), error });
+        let value = 0.5 * (front.low + front.high);
+        rows.push(Row { of: vec![(at::FRONT, 1.0)], value, error, range: None });
     }
     if let (None, Some(swings)) = (known.at(at::HAMMER_FLANGE), known.at(at::SWINGS)) {
         let strike_g = known.at(at::STRIKE).unwrap_or_else(|| {
@@ -320,9 +411,18 @@ fn rows(known: &Known, key: usize, geometry: &Geometry) -> Vec<Row> {
         });
         let [low, high] = friction_of_swings(swings, strike_g);
         let error = (high - low) / libm::sqrt(12.0);
-        rows.push(Row { of: vec![(at::HAMMER_FLANGE, 1.0)], value: 0.5 * (low + high), error });
+        let value = 0.5 * (low + high);
+        rows.push(Row { of: vec![(at::HAMMER_FLANGE, 1.0)], value, error, range: None });
     }
     rows
+}
+
+/// Range in which a feature of a sound key lies; `None` without one.
+fn sound_range(feature: usize, key: usize) -> Option<[f64; 2]> {
+    match feature {
+        BALANCE | FRICTION => usual_range(FEATURES[feature], key),
+        _ => entries()[feature].range(key),
+    }
 }
 
 fn lines(known: &Known, key: usize, geometry: &Geometry) -> Vec<Judged> {
@@ -343,20 +443,30 @@ fn lines(known: &Known, key: usize, geometry: &Geometry) -> Vec<Judged> {
             };
             let usual = usual.filter(|_| !follows);
             let (name, label, unit, decimals) = (entry.name, entry.label, entry.unit, entry.decimals);
-            lines.push(Judged { name, label, unit, decimals, value, usual, standing });
+            lines.push(Judged { name, label, unit, decimals, value, usual, standing, neighbours: None });
         }
         if index == at::UP {
             // Friction shifts the balance weight a little: above the usual it is known so well only.
             let friction_g = known.friction_g().filter(|friction_g| *friction_g > WEIGH_AGAIN_G);
+            let untapped_g = if known.is_untapped { UNTAPPED_G } else { 0.0 };
             let shifted_g = friction_g.map_or(0.0, |friction_g| BALANCE_PER_FRICTION * (friction_g - EASED_G));
             for (name, label, value, error) in [
                 ("balance_weight_g", "balance weight (D+U)/2", known.balance_g(), 1.0 + shifted_g),
-                ("friction_weight_g", "friction weight (D-U)/2", known.friction_g(), 1.0),
+                ("friction_weight_g", "friction weight (D-U)/2", known.friction_g(), 1.0 + untapped_g),
             ] {
                 let usual = usual_range(name, key);
                 if let (Some(value), Some(range)) = (value, usual) {
                     let standing = stands(value, range, error, 1);
-                    lines.push(Judged { name, label, unit: "g", decimals: 1, value: Some(value), usual, standing });
+                    lines.push(Judged {
+                        name,
+                        label,
+                        unit: "g",
+                        decimals: 1,
+                        value: Some(value),
+                        usual,
+                        standing,
+                        neighbours: None,
+                    });
                 }
             }
         }
@@ -369,7 +479,16 @@ fn lines(known: &Known, key: usize, geometry: &Geometry) -> Vec<Judged> {
                 (None, None) => Standing::NoRange,
             };
             let label = "leverage R by the equation of balance";
-            lines.push(Judged { name: entry.name, label, unit: "", decimals: 2, value: Some(middle), usual, standing });
+            lines.push(Judged {
+                name: entry.name,
+                label,
+                unit: "",
+                decimals: 2,
+                value: Some(middle),
+                usual,
+                standing,
+                neighbours: None,
+            });
         }
     }
     lines

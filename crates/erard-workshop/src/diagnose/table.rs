@@ -1,7 +1,7 @@
 //! Readings of many keys from CSV: a row for each key; cells may be missing.
 
-use super::entry::{Entry, Known, readings};
-use crate::balance::{MeasuredError, rows_of_keys};
+use super::entry::{Entry, Known, YES_OR_NO, readings};
+use crate::balance::{MeasuredError, rows_of_keys, yes_or_no};
 use erard::parameter::NumberError;
 
 /// Reads a table: a header that names `key` (1 to 88, or C4) or `note`, and any of the entries by any of their names,
@@ -41,7 +41,7 @@ pub fn read(text: &str, file: &str) -> Result<Vec<(usize, Known)>, MeasuredError
         }
         known.leads = row.leads;
         known
-            .settle()
+            .settle(row.key)
             .and_then(|()| known.check())
             .map_err(|error| fault(row.line, error.entry, error.what, error.expected))?;
         if !known.is_empty() {
@@ -84,6 +84,11 @@ impl Known {
     /// The expected text.
     pub fn enter(&mut self, entry: &Entry, text: &str) -> Result<(), String> {
         let word = text.trim().to_lowercase();
+        if entry.unit == YES_OR_NO {
+            let answer = yes_or_no(text).ok_or("yes or no")?;
+            self.set(entry.name, Some(f64::from(u8::from(answer))));
+            return Ok(());
+        }
         match (entry.name, word.as_str()) {
             ("check_mm", "none" | "no") => {
                 self.is_not_caught = true;

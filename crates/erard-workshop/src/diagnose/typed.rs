@@ -5,6 +5,7 @@ use serde_json::{Map, Value};
 
 use super::entry::{Entry, Impossible, Known, readings};
 use crate::balance::Lead;
+use crate::measure::norms::MIDDLE_C;
 
 /// Readings of one key.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -60,9 +61,9 @@ impl Typed {
                 faults.push(wrong("", format!("unknown reading `{name}`"), &format!("key, leads, {known}")));
             }
         }
-        let weights = ["down_weight_g", "up_weight_g", "balance_weight_g", "friction_weight_g"];
+        let weights = ["down_weight_g", "up_weight_g", "balance_weight_g", "friction_weight_g", "measured_at_mm"];
         if !faults.iter().any(|fault| weights.contains(&fault.entry)) {
-            faults.extend(typed.known.settle().err());
+            faults.extend(typed.known.settle(typed.key.unwrap_or(MIDDLE_C)).err());
         }
         faults.extend(typed.known.faults());
         if faults.is_empty() && typed.known.is_empty() {

@@ -50,7 +50,10 @@ pub struct Sheet {
     pub key_ratio: f64,
     /// Friction contained in the balance weight, g: half of what the friction where D is decided exceeds that where U is.
     pub friction_in_balance_g: Option<f64>,
-    /// R, by the equation of balance: (BW + FW - KR WW) / SW.
+    /// What springs at the whippen take off the balance weight, g; `None` without them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub assist_g: Option<f64>,
+    /// R, by the equation of balance: (BW + FW + A - KR WW) / SW, with A for what springs take off.
     pub strike_weight_ratio_weights: Option<f64>,
     /// R from the two forces of the slow loop half-way, where friction cancels.
     pub strike_weight_ratio_weights_half_way: Option<f64>,

@@ -258,6 +258,7 @@ impl Results {
                 .touch
                 .as_ref()
                 .and_then(|touch| touch.friction_in_balance_g(instrument.gravity_m_per_s2)),
+            assist_g: self.scale.as_ref().map(|(parts, _)| parts.assist_g).filter(|assist_g| *assist_g != 0.0),
             strike_weight_ratio_weights: by_weights(tried.balance_weight_g),
             strike_weight_ratio_weights_half_way: by_weights(half_way_balance),
             strike_weight_ratio_kinematics: ratio(|r| r.where_weighed),

@@ -6,19 +6,20 @@
 //! the press and the smallest of the return of a slow loop between the same places. With the parts' weights, weighed as
 //! by a technician,
 //!
-//! BW + FW = KR WW + R SW        (D. C. Stanwood, The New Touchweight Metrology, PTG Journal, June 1996)
+//! BW + FW + A = KR WW + R SW    (D. C. Stanwood, The New Touchweight Metrology, PTG Journal, June 1996)
 //!
-//! gives the strike-weight ratio R. The lever ratio checks it: speed of a mass at the strike weight's place, with the
-//! shank level, over the speed of the key front, by the geometry. Without friction the two are one number at one place.
-//! D is decided near rest and U near let-off, where friction that grows with the load is less: BW contains half of the
-//! difference ([`KeyWeights::friction_in_balance_g`]), and the trade's R with it.
+//! with A for what springs at the whippen take off, gives the strike-weight ratio R. The lever ratio checks it: speed
+//! of a mass at the strike weight's place, with the shank level, over the speed of the key front, by the geometry.
+//! Without friction the two are one number at one place. D is decided near rest and U near let-off, where friction that
+//! grows with the load is less: BW contains half of the difference ([`KeyWeights::friction_in_balance_g`]), and the
+//! trade's R with it.
 
 use super::levers::Levers;
 use super::slow_loop::{SlowLoop, first_touch, slow_loop};
 use super::trial::{largest_that_is_lifted, smallest_that_sinks};
 use super::{MeasureError, NotAnAction};
 use erard::Progress;
-use erard::grand::{Parts, front_weight_g, pedal_down, strike_weight_g, whippen_weight_g};
+use erard::grand::{Parts, front_weight_g, pedal_down, strike_weight_g, whippen_assist_g, whippen_weight_g};
 use erard::instrument::Instrument;
 use erard::player::AtRest;
 
@@ -100,6 +101,8 @@ pub struct PartWeights {
     pub whippen_weight_g: f64,
     /// Weight at the key front per weight over the capstan's contact.
     pub key_ratio: f64,
+    /// What springs at the whippen take off the balance weight, g; 0 without them.
+    pub assist_g: f64,
 }
 
 /// Lever ratio by the geometry. It falls during the stroke, and the balance weight is the mean of a weight decided near
@@ -143,7 +146,7 @@ impl PartWeights {
     /// R from the equation of balance at a balance weight.
     #[must_use]
     pub fn strike_weight_ratio(&self, balance_weight_g: f64) -> Option<f64> {
-        let top = balance_weight_g + self.front_weight_g - self.key_ratio * self.whippen_weight_g;
+        let top = balance_weight_g + self.front_weight_g + self.assist_g - self.key_ratio * self.whippen_weight_g;
         (self.strike_weight_g != 0.0).then(|| top / self.strike_weight_g)
     }
 }
@@ -263,11 +266,13 @@ pub fn on_the_scale(
     let parts = &Parts::of(instrument)?;
     let mut levers = Levers::of(action)?;
     let key_front_m = levers.key_front_m;
+    let key_ratio = levers.capstan_m / key_front_m;
     let weights = PartWeights {
         front_weight_g: front_weight_g(instrument, parts, key_front_m)?,
         strike_weight_g: strike_weight_g(instrument, parts)?,
         whippen_weight_g: whippen_weight_g(instrument, parts, levers.whippen_arm_m)?,
-        key_ratio: levers.capstan_m / key_front_m,
+        key_ratio,
+        assist_g: key_ratio * whippen_assist_g(instrument, parts, levers.whippen_arm_m)?,
     };
     // A mass at the strike weight's place: at the hammer's arm with the shank level.
     let mut ratio = |key_m: f64| {

@@ -230,7 +230,7 @@ impl CaseKey {
             let wrong = |expected| format!("{name} = {value}: expected {expected}");
             known.enter(entry, &value.to_string()).map_err(wrong)?;
         }
-        known.settle().and_then(|()| known.check()).map_err(|error| error.to_string())?;
+        known.settle(self.key).and_then(|()| known.check()).map_err(|error| error.to_string())?;
         if known.is_empty() { Err("expected a reading".to_owned()) } else { Ok(known) }
     }
 }

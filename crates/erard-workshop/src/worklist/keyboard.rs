@@ -11,7 +11,7 @@ use super::list::Why;
 use super::readings::ReadingQuantity;
 use super::weights::{balance_for, best_friction_g, friction_change_g};
 use crate::balance::{
-    BalancedKey, KeyModel, LEAST_BALANCE_G, MOST_CAPSTAN_MM, MeasuredKey, Plan, Target, median, plan,
+    BalancedKey, KeyModel, LEAST_BALANCE_G, MOST_CAPSTAN_MM, MeasuredKey, Plan, Target, UNTAPPED_G, median, plan,
 };
 use crate::measure::usual::{ratio_factor, ratio_range, usual};
 
@@ -125,7 +125,8 @@ impl KeyboardList {
     /// Whether the friction of a key is out of its range by more than the reading's error.
     #[must_use]
     pub fn is_friction_out(key: &BalancedKey) -> bool {
-        beyond_g(key).is_some_and(|by_g| by_g > FrictionWeight.precision())
+        let untapped_g = if key.measured.is_untapped { UNTAPPED_G } else { 0.0 };
+        beyond_g(key).is_some_and(|by_g| by_g > FrictionWeight.precision() + untapped_g)
     }
 
     /// Whether it is out of range by less than the reading's error.

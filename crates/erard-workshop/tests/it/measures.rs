@@ -10,6 +10,7 @@ use erard::instrument::{Curve, Instrument, InstrumentFields, Vec2};
 use erard::one_dof;
 use erard::player::{self, Action, RestKind, RestPose};
 use erard::run::{Setup, simulate};
+use erard_workshop::balance::KeyModel;
 use erard_workshop::measure::inertia::inertia;
 use erard_workshop::measure::norms::lines;
 use erard_workshop::measure::range::{SoftFlight, softest};
@@ -283,6 +284,29 @@ fn a_lead_lowers_the_balance_weight_by_its_lever() {
     near("up-weight", up(before) - up(&after), lever, SCALE_G);
     // R is the action's, not the key's.
     near("R", after.strike_weight_ratio().unwrap(), before.strike_weight_ratio().unwrap(), 0.02);
+}
+
+/// A spring that carries the whippen takes its weight at the key off, KR WW (D. Stanwood, Pianotech list, 28 June 1996:
+/// 18 g times 0.55), like a lead; R is the action's.
+#[test]
+#[ignore = "ci: actions weighed anew"]
+fn a_whippen_spring_lowers_the_balance_weight_by_what_it_carries() {
+    let grand = rigid_grand();
+    let before = grand_weighed();
+    let whippen = body(&grand, "whippen");
+    let heel_m = 1e-3 * KeyModel::of(&grand).unwrap().heel_mm;
+    // Clockwise lifts the heel, which lies before the pin.
+    let torque_n_m = -1e-3 * before.parts.whippen_weight_g * grand.gravity_m_per_s2 * heel_m;
+    let mut sprung = grand.clone();
+    let spring =
+        erard::instrument::Spring { name: "assist".to_owned(), body: whippen, torque_n_m, stiffness_n_m_per_rad: 0.0 };
+    sprung.edit(|fields| fields.springs.push(spring)).unwrap();
+    let after = weighed(&sprung);
+    let carried = before.parts.key_ratio * before.parts.whippen_weight_g;
+    near("springs", after.parts.assist_g, carried, 0.1);
+    near("balance weight", balance(before) - balance(&after), carried, SCALE_G);
+    near("R", after.strike_weight_ratio().unwrap(), before.strike_weight_ratio().unwrap(), 0.02);
+    assert_eq!(before.parts.assist_g, 0.0);
 }
 
 /// More friction in the key's bushings, 5 mN m at an arm of 265 mm: 1.9 g more down-weight, 1.9 g less up-weight.

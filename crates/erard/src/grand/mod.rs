@@ -10,7 +10,7 @@ mod scale;
 
 pub use anatomy::{Anatomy, AnatomyError};
 pub use parts::{Parts, pedal_down};
-pub use scale::{falling_moment_n_m, front_weight_g, strike_weight_g, whippen_weight_g};
+pub use scale::{falling_moment_n_m, front_weight_g, strike_weight_g, whippen_assist_g, whippen_weight_g};
 
 use crate::instrument::Vec2;
 

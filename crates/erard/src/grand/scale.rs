@@ -58,3 +58,20 @@ pub fn whippen_weight_g(instrument: &Instrument, parts: &Parts, arm_m: f64) -> R
     });
     Ok(G_PER_KG * moments.sum::<f64>() / arm_m)
 }
+
+/// What springs between the whippen and its rail lift, g, at the capstan's place, with the torque that they have as
+/// drawn; 0 without such springs, and without gravity. `arm_m` is the distance of that place from the whippen's pin
+/// along x, with its sign.
+///
+/// # Errors
+/// [`AnatomyError::Foreign`]: the parts are not those of the instrument.
+pub fn whippen_assist_g(instrument: &Instrument, parts: &Parts, arm_m: f64) -> Result<f64, AnatomyError> {
+    body_of(instrument, parts.whippen)?;
+    let own = instrument.springs.iter().filter(|spring| spring.body == parts.whippen);
+    let torque_n_m: f64 = own.map(|spring| spring.torque_n_m).sum();
+    Ok(if torque_n_m == 0.0 || instrument.gravity_m_per_s2 <= 0.0 {
+        0.0
+    } else {
+        G_PER_KG * torque_n_m / (instrument.gravity_m_per_s2 * arm_m)
+    })
+}

@@ -1,5 +1,6 @@
 //! Diagnosis of one's own piano: reading, answer, and proof on pianos unknown to the program.
 
+mod planted;
 mod proof;
 
 use erard::instrument::Instrument;
@@ -86,6 +87,9 @@ fn the_quick_test_tells_places_of_friction_apart() {
 fn nothing_is_made_of_nothing() {
     let near = diagnose(&known(&[("let_off_mm", 2.7), ("dip_mm", 9.4)]), 40);
     assert!(!near.is_work() && near.causes.is_empty() && *standing(&near, "let_off_mm") == Standing::Doubtful);
+    // What it would be if it read the same is said, and no work.
+    assert_eq!(open(&diagnose(&known(&[("dip_mm", 9.4)]), 40))[0], "dip_shallow");
+    assert!(near.verdict().contains("If they read the same, it may be: ") && near.to_do().is_empty());
     let sharp = diagnose(&known(&[("dip_mm", 8.5), ("down_weight_g", 50.0)]), 41);
     assert!(!sharp.is_work() && matches!(standing(&sharp, "dip_mm"), Standing::NotJudged(_)));
     assert!(diagnose(&known(&[("dip_mm", 8.5)]), 40).is_work());
@@ -157,6 +161,25 @@ fn a_cure_that_makes_it_worse_is_withheld() {
     assert!(found.to_do().iter().any(|line| line.starts_with("Not yet for") && line.contains("aftertouch")));
 }
 
+/// A deep dip or a short blow that makes up for a low leverage, and a shallow dip for a high one: leverage comes first,
+/// and dip and blow stay as they are until then.
+#[test]
+fn what_makes_up_for_a_leverage_waits() {
+    for (ratio, line, value, cause, waits) in
+        [(4.3, "dip_mm", 12.3, "ratio_low", "dip_deep"), (7.2, "dip_mm", 8.2, "ratio_high", "dip_shallow")]
+    {
+        let found = diagnose(&known(&[("strike_weight_ratio", ratio), (line, value)]), 40);
+        assert_eq!(named(&found), [cause], "{:?}", found.causes);
+        let withheld: Vec<&str> = found.withheld.iter().map(|ranked| &*ranked.cause.key).collect();
+        assert_eq!(withheld, [waits]);
+        assert!(found.to_do().iter().any(|line| line.starts_with("Not yet for") && line.contains("leverage")));
+    }
+    // A low hammer line, a lever and a spring make a short blow, too: its place is open, and no screw is named.
+    let found = diagnose(&known(&[("strike_weight_ratio", 4.3), ("blow_mm", 41.0)]), 40);
+    assert_eq!(named(&found), ["ratio_low"]);
+    assert!(open(&found).contains(&"hammer_high"), "{:?}", found.undecided);
+}
+
 /// A cause without a model is a sentence with a test: many swings are a sign of loose pinning alone.
 #[test]
 fn looks_are_sentences() {
@@ -220,12 +243,101 @@ fn undoing_cures(pianos: usize) {
     }
 }
 
-/// Errors of a bench: 1.5 g of D and U, 0.1 g of SW, 0.5 g of FW, 0.2 mm of dip, blow and let-off.
-fn bench_error(name: &str, precision: f64) -> f64 {
-    match name {
-        "down_weight_g" | "up_weight_g" => 1.5,
-        "dip_mm" | "blow_mm" | "let_off_mm" => 0.2,
-        _ => precision,
+/// One fault each on drawn grands that the effects were not simulated on, read with a sheet's errors: the likeliest
+/// cause is the planted one, and its probability is what is scored.
+#[test]
+#[ignore = "ci: 60 keys diagnosed"]
+fn planted_faults() {
+    let told = planted::told("fault", |_, precision| precision);
+    let first = told.iter().filter(|one| one.first.0 == one.truth.planted).count();
+    println!("{}first {first} of {}, log score {:.3}", planted::report(&told), told.len(), planted::log_score(&told));
+    assert!(told.len() == 60 && first >= FIRST && planted::log_score(&told) >= LOG_SCORE, "{first}");
+}
+
+/// What the ranking reaches on these: the likeliest cause, and the log score.
+const FIRST: usize = 52;
+const LOG_SCORE: f64 = -0.4;
+
+/// 200 readings of sound keys with a bench's errors: at most one in twenty gets work.
+#[test]
+#[ignore = "ci: 200 keys diagnosed"]
+fn sound_keys_get_no_work() {
+    let (mut work, mut all) = (0, 0);
+    for truth in planted::truths().iter().filter(|truth| truth.set == "sound") {
+        let mut chance = crate::worklist::hand::Chance::new(7001 + all as u64);
+        for _ in 0..25 {
+            let mut known = proof::read_within(&truth.known, planted::bench_error, &mut chance);
+            planted::ASKED.iter().for_each(|name| known.set(name, None));
+            let found = diagnose(&known, KEY);
+            for line in found.lines.iter().filter(|line| line.standing == Standing::Out) {
+                println!("{} {} {:?}", truth.grand, line.name, line.value);
+            }
+            (work, all) = (work + usize::from(found.is_work()), all + 1);
+        }
+    }
+    println!("{work} of {all} sound keys get work");
+    assert!(all == 200 && 20 * work <= all, "{work} of {all}");
+}
+
+/// The same causes on an instrument of another make, read with a bench's errors, and what the ranking says of pianos
+/// whose leverage and hammers are not the usual ones: which work is named, and which would be wrong.
+#[test]
+#[ignore = "ci: 50 keys diagnosed"]
+fn planted_on_other_instruments() {
+    let told = planted::told("other", planted::bench_error);
+    let shown: Vec<&planted::Told> = told.iter().filter(|one| one.found.is_work()).collect();
+    let first = shown.iter().filter(|one| one.first.0 == one.truth.planted).count();
+    let [low, high] = planted::interval(first, shown.len());
+    println!("{}first {first} of {} that show, {low:.2} to {high:.2}", planted::report(&told), shown.len());
+    println!("log score {:.3}", planted::log_score(&told));
+    let kinds = planted::told("kind", planted::bench_error);
+    let (mut right, mut wrong) = (0, 0);
+    for one in &kinds {
+        let known = &one.truth.known;
+        let [ratio, strike] = ["ratio", "weight"].map(|word| number_after(&one.truth.planted, word));
+        let due = |cause: &str| match cause {
+            "ratio_high" => ratio > 6.06,
+            "ratio_low" => ratio < 5.0,
+            "hammer_heavy" => strike > 10.5,
+            "hammer_light" => strike < 8.5,
+            // Leads follow from the others.
+            "leads_many" => known.get("front_weight_g").unwrap() > 30.0 && ratio < 6.3 && strike < 10.6,
+            "leads_few" => known.balance_g().unwrap() > 40.0 && ratio < 6.3 && strike < 10.6,
+            _ => false,
+        };
+        let named = named(&one.found);
+        let is_wrong = named.iter().any(|cause| !due(cause));
+        let is_nothing_due = !causes().iter().any(|cause| due(&cause.key));
+        let is_right = !is_wrong && (is_nothing_due || !named.is_empty());
+        (right, wrong) = (right + usize::from(is_right), wrong + usize::from(is_wrong));
+        if !is_right {
+            println!("  {} {}: {named:?}, open {:?}", one.truth.grand, one.truth.planted, open(&one.found));
+        }
+    }
+    let [low, high] = planted::interval(right, kinds.len());
+    println!("kinds: {right} of {} right, {low:.2} to {high:.2}; {wrong} with wrong work", kinds.len());
+    assert!(planted::log_score(&told) > -0.45 && 5 * first >= 4 * shown.len(), "{first} of {}", shown.len());
+    assert!(kinds.len() == 10 && wrong == 0 && right >= 9, "{right} right, {wrong} wrong of {}", kinds.len());
+}
+
+fn number_after(text: &str, word: &str) -> f64 {
+    text.split(word).nth(1).and_then(|rest| rest.split_whitespace().next()).unwrap().parse().unwrap()
+}
+
+/// Stated probabilities beside frequencies: in each group the likeliest cause is the planted one as often as is said,
+/// within the 95 % interval of the frequency.
+#[test]
+#[ignore = "ci: 90 keys diagnosed"]
+fn stated_probabilities_are_frequencies() {
+    let mut told = planted::told("fault", |_, precision| precision);
+    told.extend(planted::told("other", planted::bench_error).into_iter().filter(|one| one.found.is_work()));
+    for [from, to] in [[0.0, 0.5], [0.5, 0.8], [0.8, 0.95], [0.95, 1.001]] {
+        let of: Vec<&planted::Told> = told.iter().filter(|one| (from..to).contains(&one.first.1)).collect();
+        let right = of.iter().filter(|one| one.first.0 == one.truth.planted).count();
+        let stated = of.iter().map(|one| one.first.1).sum::<f64>() / of.len().max(1) as f64;
+        let [low, high] = planted::interval(right, of.len().max(1));
+        println!("stated {stated:.2}: {right} of {} right, {low:.2} to {high:.2}", of.len());
+        assert!(of.len() < 5 || (low..=high).contains(&stated), "{stated} {low} {high}");
     }
 }
 
@@ -270,35 +382,63 @@ mod nightly {
         assert!(tally.first(2) >= 50, "{}", tally.report());
     }
 
-    /// 200 readings of sound keys with a bench's errors: at most one in twenty gets work.
+    /// The file's readings are those of the simulation.
     #[test]
-    #[ignore = "nightly: 20 drawn grands"]
-    fn sound_keys_get_no_work() {
-        let (mut work, mut all) = (0, 0);
-        for (number, grand) in super::sound_samples(20, 7001) {
-            let truth = super::Known::measured(&grand, &mut |_| true).unwrap();
-            super::proof::print_truth("healthy", f64::from(number), &truth);
-            let mut chance = crate::worklist::hand::Chance::new(u64::from(number));
-            for _ in 0..10 {
-                let read = super::proof::read_within(&truth, super::bench_error, &mut chance);
-                all += 1;
-                work += usize::from(super::diagnose(&read, super::KEY).is_work());
+    #[ignore = "nightly: 8 drawn grands, 106 actions measured"]
+    fn planted_pianos_are_what_is_simulated() {
+        let text = super::planted::simulate();
+        if let Some(folder) = std::env::var_os("ERARD_REGENERATE") {
+            let path = std::path::Path::new(&folder).join("crates/erard-workshop/tests/planted.csv");
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+            return;
+        }
+        let [own, now] = [super::planted::truths(), super::planted::parse(&text)];
+        assert_eq!(own.len(), now.len());
+        for (own, now) in own.iter().zip(&now) {
+            assert_eq!((&own.set, &own.grand, &own.planted), (&now.set, &now.grand, &now.planted));
+            for entry in erard_workshop::diagnose::entries() {
+                let [a, b] = [own, now].map(|truth| truth.known.get(entry.name));
+                let is_near = a.is_some() == b.is_some() && a.zip(b).is_none_or(|(a, b)| (a - b).abs() < 0.01);
+                assert!(is_near, "{own:?} {}: {a:?} {b:?}", entry.name);
             }
         }
-        println!("{work} of {all} sound keys get work");
-        assert!(all == 200 && work <= 10, "{work} of {all}");
     }
 
-    /// Every cause planted on grands that the effects were not simulated on: how many are named or come first.
+    /// Effects of two causes add: on twenty pairs the sum of two effects misses that of both together by less than the
+    /// quarter of it by which pianos of another make may differ, which the ranking allows for.
     #[test]
-    #[ignore = "nightly: two instruments, every cause"]
-    fn faults_planted_on_other_instruments() {
-        for name in ["steinway-o", "heavy-touch"] {
-            let Ok(base) = Instrument::builtin(name) else { continue };
-            for (at, _) in causes().iter().enumerate() {
-                let planted = super::proof::planted(at, 1, &base, Some(at));
-                super::proof::print_truth(&format!("{name}:{}", causes()[at].key), planted.case, &planted.truth);
+    #[ignore = "nightly: a drawn grand, 40 measured"]
+    fn effects_of_two_causes_add() {
+        let (_, grand) = super::sound_samples(1, 5001).swap_remove(0);
+        let pairs: Vec<[usize; 2]> = (0..causes().len()).map(|at| [at, (at + 7) % causes().len()]).take(20).collect();
+        let known = |instrument: &Instrument| super::Known::measured(instrument, &mut |_| true).unwrap();
+        let sound = known(&grand);
+        let with = |at: usize| super::proof::with(&grand, Some(at), 2.0);
+        let alone: Vec<super::Known> = (0..causes().len()).map(|at| known(&with(at))).collect();
+        let (mut missed, mut effect, mut near, mut all) = (0.0, 0.0, 0, 0);
+        for [a, b] in pairs {
+            let both = known(&super::proof::with(&with(a), Some(b), 2.0));
+            for entry in erard_workshop::diagnose::entries() {
+                let of = |known: &super::Known| Some(known.get(entry.name)? - sound.get(entry.name)?);
+                let (Some(one), Some(other), Some(together)) = (of(&alone[a]), of(&alone[b]), of(&both)) else {
+                    continue;
+                };
+                if one.abs().max(other.abs()) < entry.precision {
+                    continue;
+                }
+                let off = (together - one - other) / entry.precision;
+                missed += off * off;
+                effect += (together / entry.precision).powi(2);
+                (near, all) = (near + usize::from(off.abs() <= 1.0), all + 1);
+                if off.abs() > 2.0 {
+                    let [one, other, together] = [one, other, together].map(|x| format!("{x:.2}"));
+                    println!("{} + {}: {} {one} + {other}, {together}", causes()[a].key, causes()[b].key, entry.name);
+                }
             }
         }
+        let share = (missed / effect).sqrt();
+        println!("{near} of {all} readings within their precision; {share:.3} of the effect is missed");
+        assert!(share < 0.25 && 10 * near > 7 * all, "{share} {near} {all}");
     }
 }

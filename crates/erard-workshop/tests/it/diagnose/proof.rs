@@ -243,7 +243,7 @@ pub fn sound_samples(grands: usize, from: u32) -> Vec<(u32, Instrument)> {
     sound
 }
 
-fn on_all_cores(work: impl Fn() + Sync) {
+pub fn on_all_cores(work: impl Fn() + Sync) {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     std::thread::scope(|scope| (0..cores).for_each(|_| drop(scope.spawn(&work))));
 }
