@@ -16,7 +16,7 @@ use erard::stroke::{Stroke, Touch};
 /// Differences from the file: factors, and a screw's turn in m.
 pub const TRUE: [(&str, f64); 4] = [
     ("body.hammer.mass", 1.06),
-    ("body.key_back.friction", 1.3),
+    ("body.key_back.friction", 1.5),
     ("zone.capstan_heel.stiffness", 1.25),
     ("let_off", 3e-4),
 ];

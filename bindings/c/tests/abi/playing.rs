@@ -358,7 +358,9 @@ fn recordings_are_made_ready() {
         let row = |n: u32| {
             let time_ms = f64::from(n);
             let force = if (100.0..250.0).contains(&time_ms) { (0.05 * (time_ms - 100.0)).min(5.0) } else { 0.0 };
-            format!("{time_ms},{}", 100.0 * (force + offset))
+            // The noise of a load cell, without a mean: a file with none is a computed one, and keeps its zero.
+            let noise = 0.001 * (f64::from(n * 2 % 5) - 2.0);
+            format!("{time_ms},{}", 100.0 * (force + offset + noise))
         };
         format!("time (ms),load (cN)\n{}", (0..300).map(row).collect::<Vec<_>>().join("\n"))
     };

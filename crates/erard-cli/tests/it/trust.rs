@@ -118,11 +118,11 @@ fn a_study_has_a_column_for_it() {
     assert!(said.contains("back_check_angle") && said.contains("at most 90 degrees either way"), "{said}");
 }
 
-/// One key of 88 whose parts weigh a fifty-thousandth: its hammer meets the string with more than 180 m/s, once "all
+/// One key of 88 whose parts weigh a fifty-thousandth: its hammer meets the string with more than 100 m/s, once "all
 /// 88 keys are sound".
 #[test]
 #[ignore = "ci: a keyboard of 88 keys"]
-fn a_key_at_180_metres_a_second() {
+fn a_key_at_a_hundred_metres_a_second() {
     let folder = Folder::new("trust-fast");
     let base = erard::instrument::Instrument::builtin("steinway-o").unwrap();
     let numbers: Vec<String> = base
@@ -145,7 +145,7 @@ fn a_key_at_180_metres_a_second() {
     assert!(output.status.success() && Folder::words(&told).contains("1 of the 88 keys cannot be trusted"), "{told}");
     let blow = said.lines().find(|line| line.contains("the hammer reaches the string with")).unwrap();
     let speed = blow.split("reaches the string with ").nth(1).unwrap().split(' ').next().unwrap();
-    assert!(speed.parse::<f64>().unwrap() >= 180.0 && blow.contains("key 88"), "{blow}");
+    assert!(speed.parse::<f64>().unwrap() >= 100.0 && blow.contains("key 88"), "{blow}");
 }
 
 /// Mutants from end to end: the command presses what it accepts, touches nothing that it reads and leaves nothing

@@ -111,8 +111,11 @@ const COLUMNS: [Column; 12] = [
     column("measured_at_mm", &["measured_at"], PLACES_MM, "mm", |row| &mut row.conditions.measured_at_mm),
 ];
 
+/// Place of an answer.
+type Answer = fn(&mut Conditions) -> &mut Option<bool>;
+
 /// Columns of yes or no.
-const ANSWERS: [(&str, fn(&mut Conditions) -> &mut Option<bool>); 3] = [
+const ANSWERS: [(&str, Answer); 3] = [
     ("tapped", |conditions| &mut conditions.tapped),
     ("dampers_lifted", |conditions| &mut conditions.dampers_lifted),
     ("stack_on", |conditions| &mut conditions.stack_on),

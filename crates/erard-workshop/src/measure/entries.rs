@@ -48,7 +48,8 @@ pub struct Sheet {
     pub whippen_weight_g: f64,
     /// Grams at the front per gram over the capstan.
     pub key_ratio: f64,
-    /// Friction contained in the balance weight, g: half of what the friction where D is decided exceeds that where U is.
+    /// Friction contained in the balance weight, g: half of the excess of friction where D is decided over that where U
+    /// is.
     pub friction_in_balance_g: Option<f64>,
     /// What springs at the whippen take off the balance weight, g; `None` without them.
     #[serde(skip_serializing_if = "Option::is_none")]

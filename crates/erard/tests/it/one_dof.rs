@@ -34,14 +34,14 @@ fn slow(instrument: &Instrument, depth: f64) -> [f64; 2] {
     [mean(depth / V), mean(2.0 * turn - depth / V)]
 }
 
-/// The moment alpha and the friction c_d that virtual power gives, against forces measured on the six bodies. What rubs
-/// is loaded by the stack, so that friction grows with the stack's force S at the key front: down and up it is S e^f and
-/// S e^-f, of which the key's own weight W at the front carries a part. The balance force is the geometric mean of D + W
-/// and U + W less W, friction half the difference of D and U. The levers' ratio falls over the stroke (by 3 % per mm), so
-/// that the forces at 1, 2 and 3 mm are extrapolated to rest; what is left is of second order in the ratio's change over
-/// those 2 mm, (6 %)^2: below 1 %. Friction needs 8 %: at rest the lever carries the hammer alone, while in motion the
-/// jack takes 0.05 N of it (0.25 of it over a slip of 0.08 m per radian: 4 % of the friction), and what moves down
-/// presses a little harder than what moves up spares.
+/// The moment alpha and the friction c_d that virtual power gives, against forces measured on the six bodies. What
+/// rubs is loaded by the stack, so that friction grows with the stack's force S at the key front: down and up it is
+/// S e^f and S e^-f, of which the key's own weight W at the front carries a part. The balance force is the
+/// geometric mean of D + W and U + W less W, friction half the difference of D and U. The levers' ratio falls over
+/// the stroke (by 3 % per mm), so that the forces at 1, 2 and 3 mm are extrapolated to rest; what is left is of
+/// second order in the ratio's change over those 2 mm, (6 %)^2: below 1 %. Friction needs 8 %: at rest the lever
+/// carries the hammer alone, while in motion the jack takes 0.05 N of it (0.25 of it over a slip of 0.08 m per
+/// radian: 4 % of the friction), and what moves down presses a little harder than what moves up spares.
 #[test]
 fn moment_and_friction_are_those_of_the_mechanism() {
     let grand = grand();

@@ -80,8 +80,8 @@ fn the_grands_have_their_bodies_and_zones() {
     }
 }
 
-/// The pieces of what bends are the parts that they were made from, to the digits that their file has, but for a lead of
-/// 3 g in the key, 190 mm before its pin: what rubs under load asks for it.
+/// The pieces of what bends are the parts that they were made from, to the digits that their file has, but for a lead
+/// of 3 g in the key, 190 mm before its pin: what rubs under load asks for it.
 #[test]
 fn locked_the_grand_is_the_rigid_one() {
     let (rigid, locked) = (rigid(), grand().locked());

@@ -203,10 +203,14 @@ pub fn log_score(told: &[Told]) -> f64 {
 
 /// Wilson's 95 % interval of a share.
 pub fn interval(hits: usize, of: usize) -> [f64; 2] {
-    const Z: f64 = 1.96;
+    interval_of(hits, of, 1.96)
+}
+
+/// Wilson's interval of a share, `z` standard deviations to either side.
+pub fn interval_of(hits: usize, of: usize, z: f64) -> [f64; 2] {
     let (n, p) = (of as f64, hits as f64 / of as f64);
-    let (middle, half) = (p + Z * Z / (2.0 * n), Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt());
-    [middle - half, middle + half].map(|end| end / (1.0 + Z * Z / n))
+    let (middle, half) = (p + z * z / (2.0 * n), z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt());
+    [middle - half, middle + half].map(|end| end / (1.0 + z * z / n))
 }
 
 /// A table of what was told: planted, its probability, the likeliest, what is named.
