@@ -43,8 +43,8 @@ fn per_step(run: &Run) -> f64 {
 
 /// All built-in strokes and steps of force, both thetas. Gauss-Seidel takes 40 sweeps a step at most in the mean
 /// (nine bodies, whose stiff bends it has to carry from piece to piece), and ends within its limit but for some
-/// four steps of ten thousand, where pins and sliding contacts that carry each other stick at once. Those are counted, and
-/// the answers are the same all the same.
+/// four steps of ten thousand, where pins and sliding contacts that carry each other stick at once. Those are
+/// counted, and the answers are the same all the same.
 #[test]
 fn the_same_blows_from_both_solvers() {
     same_blows(&[Play::Stroke("mf", Touch::Pressed), Play::Stroke("ff", Touch::Struck), Play::ForceStep(2.0, 0.5)]);
