@@ -16,6 +16,7 @@ use moreau::{Settings, gauss_jordan_pivoting};
 use thiserror::Error;
 
 use crate::instrument::{Body, DrawnPart, Instrument, InstrumentFields, MAX_BODIES, Roles, Screw, Spring, Zone};
+use crate::mechanism::Mechanism;
 use crate::player::equilibrium;
 use crate::player::{Action, ActionError};
 
@@ -93,20 +94,7 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
     for (z, zone) in full.zones.iter().enumerate() {
         let largest = zone.friction_coefficient * rest.normal_force(z);
         if largest > 0.0 {
-            let (center, at) = (rest.point(zone.disc_body, zone.disc_center_m), rest.contact_point(z));
-            let normal = unit([center[0] - at[0], center[1] - at[1]]);
-            let along = [-normal[1], normal[0]];
-            let speed = |body: Option<usize>| {
-                body.map_or(0.0, |b| {
-                    // The contact point in the body's own frame.
-                    let [origin, x] = [[0.0, 0.0], [1.0, 0.0]].map(|point| rest.point(Some(b), point));
-                    let [x, y] = [[x[0] - origin[0], x[1] - origin[1]], [at[0] - origin[0], at[1] - origin[1]]];
-                    let own = [x[0] * y[0] + x[1] * y[1], x[0] * y[1] - x[1] * y[0]];
-                    rest.velocity_row(b, own, along).iter().zip(&ratios).map(|(a, r)| a * r).sum()
-                })
-            };
-            let slip: f64 = speed(zone.disc_body) - speed(zone.curve_body);
-            dry += largest * slip.abs();
+            dry += largest * slip(full, rest, z, &ratios).abs();
         }
     }
 
@@ -150,9 +138,19 @@ pub fn reduce(full: &Instrument) -> Result<OneDof, OneDofError> {
     Ok(OneDof { instrument, ratios, inertia_kg_m2: inertia, moment_n_m: moment })
 }
 
-fn unit([x, y]: [f64; 2]) -> [f64; 2] {
-    let length = x.hypot(y);
-    [x / length, y / length]
+/// Slip of a touching zone per unit of key velocity, m: of the disc over the curve, across the contact's normal.
+fn slip(full: &Instrument, rest: &dyn Mechanism, zone: usize, ratios: &[f64]) -> f64 {
+    let &Zone { disc_body, disc_center_m, curve_body, .. } = &full.zones[zone];
+    let (center, at) = (rest.point(disc_body, disc_center_m), rest.contact_point(zone));
+    let normal = [center[0] - at[0], center[1] - at[1]];
+    let length = normal[0].hypot(normal[1]);
+    let along = [-normal[1] / length, normal[0] / length];
+    let placements = full.placements(rest.readout().angles);
+    let speed = |body: Option<usize>| -> f64 {
+        let row = body.map_or(Vec::new(), |body| rest.velocity_row(body, placements[body].from_world(at), along));
+        row.iter().zip(ratios).map(|(a, r)| a * r).sum()
+    };
+    speed(disc_body) - speed(curve_body)
 }
 
 /// A stop of the key as a zone of the one-body instrument.

@@ -145,20 +145,19 @@ pub fn read(text: &str, file: &str) -> Result<Vec<MeasuredKey>, MeasuredError> {
     let fault = MeasuredError::in_file(file);
     const HEADER: &str = "key,strike_weight_g,front_weight_g,down_weight_g,up_weight_g";
     let table = rows_of_keys(text, file, HEADER)?;
+    let place = |names: &[&str]| {
+        let twice =
+            |name: String| fault(table.header_line, &name, "named twice".into(), "one column of each kind".into());
+        table.column(names).map_err(twice)
+    };
     let mut columns: Vec<(usize, &Column)> = Vec::new();
     for column in &COLUMNS {
         let wanted: Vec<&str> = std::iter::once(column.name).chain(column.also.iter().copied()).collect();
-        let at = table
-            .column(&wanted)
-            .map_err(|name| fault(table.header_line, &name, "named twice".into(), "one column of each kind".into()))?;
-        columns.extend(at.map(|index| (index, column)));
+        columns.extend(place(&wanted)?.map(|index| (index, column)));
     }
     let mut answers = Vec::new();
     for (name, of) in ANSWERS {
-        let at = table
-            .column(&[name])
-            .map_err(|name| fault(table.header_line, &name, "named twice".into(), "one column of each kind".into()))?;
-        answers.extend(at.map(|index| (index, of)));
+        answers.extend(place(&[name])?.map(|index| (index, of)));
     }
     if columns.is_empty() {
         let expected = format!("a header such as `{HEADER}`");
@@ -196,10 +195,9 @@ pub fn read(text: &str, file: &str) -> Result<Vec<MeasuredKey>, MeasuredError> {
         let Row { key: mut measured, balance_g, friction_g, conditions } = read;
         let weights =
             WeightReadings { down_g: measured.down_weight_g, up_g: measured.up_weight_g, balance_g, friction_g };
-        (measured.down_weight_g, measured.up_weight_g) =
-            weights.down_and_up().map_err(|wrong| fault(row.line, wrong.name, wrong.what, wrong.expected))?;
+        let refused = |wrong: WeightFault| fault(row.line, wrong.name, wrong.what, wrong.expected);
+        (measured.down_weight_g, measured.up_weight_g) = weights.down_and_up().map_err(refused)?;
         if measured.down_weight_g.or(measured.up_weight_g).is_some() {
-            let refused = |wrong: WeightFault| fault(row.line, wrong.name, wrong.what, wrong.expected);
             conditions.check_dampers().map_err(refused)?;
             if conditions.stack_on == Some(false) {
                 let expected = "weights with the stack on; `erard diagnose` takes these for the key's own friction";

@@ -6,9 +6,9 @@ use erard::parameter::{NumberError, Quantity as Physical};
 
 use super::bench::Bench;
 use crate::balance::{
-    ASSIST_LIMITS_G, BALANCE_LIMITS_G, Conditions, FRICTION_LIMITS_G, Lead, PLACES_MM, WeightFault, WeightReadings,
+    ASSIST_LIMITS_G, BALANCE_LIMITS_G, Conditions, FRICTION_LIMITS_G, Lead, PLACES_MM, UNTAPPED_G, USUAL_PLACE_MM,
+    WeightFault, WeightReadings,
 };
-use crate::balance::{UNTAPPED_G, USUAL_PLACE_MM};
 use crate::measure::usual::{ratio_range, usual};
 use crate::worklist::{ReadingQuantity, Readings};
 use erard::parameter::canonical_name;

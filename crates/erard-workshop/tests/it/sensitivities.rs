@@ -9,7 +9,7 @@ use erard::gradient::{Direction, GradientError, How, Poses, follow};
 use erard::instrument::Dwell;
 use erard::level::{HandKind, MASS_KG, Reference};
 use erard::stroke::{Stroke, Touch};
-use erard::{Action, Input, Instrument, Settings, Setup};
+use erard::{Action, Impact, Input, Instrument, Settings, Setup};
 use erard_workshop::sensitivities::{
     Differentiation, Mark, Rest, Sensitivities, Sensitivity, Variable, gradient, quantities, sensitivities,
 };
@@ -72,6 +72,15 @@ fn derivatives_are_differences(instruments: &[&str]) {
     }
 }
 
+/// The first impact under a constant force, within 0.2 s.
+fn impact_of(mut action: Action, force_n: f64) -> Impact {
+    while action.impact().is_none() {
+        assert!(action.time_s() < 0.2, "no impact at {force_n} N");
+        action.step(Input::Force(force_n));
+    }
+    action.impact().unwrap()
+}
+
 /// Slopes of the hammer's speed and contact, m/s and s per mm, by a screw turned by `half_m` to both sides, each from
 /// its own rest.
 fn slope_at_impact(name: &str, screw: &str, half_m: f64) -> [f64; 2] {
@@ -81,12 +90,7 @@ fn slope_at_impact(name: &str, screw: &str, half_m: f64) -> [f64; 2] {
     let [low, high] = [-half_m, half_m].map(|by_m| {
         let mut varied = instrument.clone();
         parameter.vary(&mut varied, by_m).unwrap();
-        let mut action = Action::with(&varied, Settings::new(5e-6)).unwrap();
-        while action.impact().is_none() {
-            assert!(action.time_s() < 0.2, "{name} {by_m}");
-            action.step(Input::Force(5.0));
-        }
-        let impact = action.impact().unwrap();
+        let impact = impact_of(Action::with(&varied, Settings::new(5e-6)).unwrap(), 5.0);
         [impact.hammer_speed_m_per_s, impact.time_s]
     });
     core::array::from_fn(|k| (high[k] - low[k]) / (2e3 * half_m))
@@ -112,11 +116,7 @@ fn the_rest_moves_as_that_of_a_press_or_is_held() {
             action.mechanism_mut().restore(&rest);
             action.set_reference_pose(&varied);
         }
-        while action.impact().is_none() {
-            assert!(action.time_s() < 0.2, "{name} {by}");
-            action.step(Input::Force(force_n));
-        }
-        action.impact().unwrap().hammer_speed_m_per_s
+        impact_of(action, force_n).hammer_speed_m_per_s
     };
     for (rest, held) in [(Rest::Moves, false), (Rest::Held, true)] {
         let by = names.iter().map(|name| Variable::named(&instrument, text, name).unwrap()).collect();

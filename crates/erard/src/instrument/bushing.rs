@@ -24,6 +24,7 @@ const LIFT_M: f64 = 5e-3;
 
 /// Distance from a pivot within which a zone holds it, m: half of a punching.
 const AT_PIVOT_M: f64 = 10e-3;
+
 /// What holds a pivot that can move at right angles to the x axis of the body that carries it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bushing {
