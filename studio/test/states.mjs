@@ -12,7 +12,7 @@ export const STATES = {
   "a keyboard with strings": { hash: "#tab=keyboard&keys=concert-grand-strings", act: (page) => page.waitForSelector("#heard canvas", { timeout: 120_000 }) },
   "with a pedal": { hash: "#a=concert-grand-strings" },
   "a part": { hash: "", act: (page) => page.selectOption("#parts", "let-off button") },
-  "a diagnosis": { hash: "#tab=diagnose&readings=key:C4;down_weight_g:58;up_weight_g:18;let_off_mm:3.5;drop_mm:0", act: (page) => page.waitForSelector("#diagnosis .causes") },
+  "a diagnosis": { hash: "#tab=diagnose&readings=key:C4;down_weight_g:58;up_weight_g:18;let_off_mm:3.5;drop_mm:0;blow_mm:47", act: (page) => page.waitForSelector("#diagnosis .causes") },
   "impossible readings": { hash: "#tab=diagnose&readings=down_weight_g:18;up_weight_g:58", act: (page) => page.waitForSelector("[data-field=up_weight_g] .bad:not([hidden])") },
   "a wrong file": {
     hash: "#tab=file",

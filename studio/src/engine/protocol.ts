@@ -166,6 +166,8 @@ export interface Diagnosed {
     cause: string; name: string; probability: number; case: number; test: string; cure: string; odds_assumed: number;
     explains: { name: string; label: string; by: number; unit: string; decimals: number }[];
   }[];
+  undecided: { cause: string; name: string; test: string }[];
+  open_question: string | null;
   something_else: number;
   to_do: string[];
   measure_next: {

@@ -9,6 +9,8 @@ import { same } from "./state";
 /** What most people can measure, in the order of work; the rest is folded. */
 const FIRST = ["down_weight_g", "up_weight_g", "let_off_mm", "drop_mm", "dip_mm", "blow_mm", "aftertouch_mm", "strike_weight_g", "front_weight_g", "leads", "key_ratio"];
 const MIDDLE_C = 40;
+/** In place of a unit: the entry is a condition, answered in words. */
+const YES_OR_NO = "yes|no";
 /** Fields that are no entries of the table. */
 const KEY = { name: "key", label: "key", unit: "", usual: [null, null], how: "by number (1 to 88) or note (A0 to C8): usual ranges differ along the keyboard" };
 const LEADS = { name: "leads", label: "leads", unit: "g@mm", usual: [null, null], how: "grams at millimetres in front of the balance pin, as in 14@165, 14@147; behind it negative" };
@@ -58,6 +60,8 @@ const sheetOf = (key: Diagnosed, { is_key_assumed, rests_on }: Diagnosis, head: 
     ...(key.to_do.length ? [h("h3", {}, "To do, in this order"), h("ol", { class: "to-do" }, ...key.to_do.map((line) => h("li", {}, line)))] : []),
     h(key.is_work ? "h3" : "p", { class: "verdict" }, key.verdict),
     ...(causes.length ? [h("ol", { class: "causes" }, ...causes)] : []),
+    ...(key.open_question && key.open_question !== key.verdict ? [h("p", { class: "verdict" }, key.open_question)] : []),
+    ...(key.undecided.length ? [h("ul", { class: "open" }, ...key.undecided.map(({ cause, name, test }) => h("li", { "data-open": cause }, h("b", {}, name), `: ${test}`)))] : []),
     ...(key.something_else > 0.05 ? [h("p", { class: "soft" }, `Something that is not in this list: ${percent(key.something_else)}.`)] : []),
     ...(next ? [
       h("h3", {}, `Measure next: ${next.label}`),
@@ -85,11 +89,14 @@ export const diagnosePanel = (app: App, into: HTMLElement): void => {
   };
   const field = (of: Field, decimals = 0): HTMLElement => {
     const id = `reading-${of.name}`;
-    const input = h("input", { id, type: "text", inputmode: of.name === "key" || of.name === "leads" ? "text" : "decimal", autocomplete: "off", spellcheck: "false", "aria-describedby": `${id}-wrong ${id}-how` });
+    // A telephone's keys for numbers have no letters: conditions are answered in words, and have no unit that follows.
+    const isQuestion = of.unit === YES_OR_NO;
+    const words = of.name === "key" || of.name === "leads" || isQuestion;
+    const input = h("input", { id, type: "text", inputmode: words ? "text" : "decimal", autocomplete: "off", spellcheck: "false", list: isQuestion ? "yes-or-no" : null, "aria-describedby": `${id}-wrong ${id}-how` });
     const how = h("p", { class: "soft", id: `${id}-how` }, hint(of, decimals));
     const wrong = h("p", { class: "bad", id: `${id}-wrong`, hidden: true });
     inputs.set(of.name, { input, how, wrong, field: of });
-    return h("div", { class: "reading", "data-field": of.name }, h("label", { for: id }, of.label), h("span", { class: "number" }, input, h("span", { class: "unit" }, of.unit)), wrong, how);
+    return h("div", { class: "reading", "data-field": of.name }, h("label", { for: id }, of.label), h("span", { class: "number" }, input, h("span", { class: "unit" }, isQuestion ? "" : of.unit)), wrong, how);
   };
 
   const given = (): Record<string, string> =>
@@ -172,6 +179,7 @@ export const diagnosePanel = (app: App, into: HTMLElement): void => {
       return h("div", { class: "reading" }, h("label", { for: `head-${name}` }, name), h("span", { class: "number" }, input));
     };
     form.append(
+      h("datalist", { id: "yes-or-no" }, ...YES_OR_NO.split("|").map((value) => h("option", { value }))),
       h("div", { class: "fields" }, field(KEY as Field), ...FIRST.map(of)),
       h("details", {}, h("summary", {}, "More readings"), h("div", { class: "fields" }, ...rest.map(({ name }) => of(name)))),
       h("details", {}, h("summary", {}, "Head of the printed sheet"), h("div", { class: "fields" }, ...HEAD.map(titled))),
