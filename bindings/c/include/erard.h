@@ -493,6 +493,21 @@ ErardStatus erard_action_step_motion(struct ErardAction *action,
                                      struct ErardReading *reading);
 
 /**
+ * Takes one step under a pointer of the caller's that is `position_m` below the key's rest and moves at
+ * `velocity_m_per_s`, down positive, behind a fingertip of the caller's own, `stiffness_n_per_m` (0 to 1e6) and
+ * `damping_n_s_per_m` (0 to 1e3), which only pushes. Its force is that of the key's last reading, held over the step, so
+ * that the instrument stays as its file has it: the fingertip of a mouse or a story may be softer than the file's. For
+ * a device with forces of its own erard_action_step_motion is better, whose coupling the step solves for. `reading` may
+ * be NULL. An error leaves the action as it was. Real time: yes.
+ */
+ErardStatus erard_action_step_fingertip(struct ErardAction *action,
+                                        double position_m,
+                                        double velocity_m_per_s,
+                                        double stiffness_n_per_m,
+                                        double damping_n_s_per_m,
+                                        struct ErardReading *reading);
+
+/**
  * Takes one step with prescribed motion of the key front: its position, m below rest, and velocity, m/s, down
  * positive, at the end of the step. Use it for measured strokes, not in a loop with a device (README, "Closed loop").
  * `reading` may be NULL. An error leaves the action as it was. Real time: yes.
@@ -1063,6 +1078,17 @@ void erard_stroke_free(struct ErardStroke *stroke);
  * for NULL. Real time: no.
  */
 double erard_stroke_duration(const struct ErardStroke *stroke);
+
+/**
+ * Plays a stroke on an instrument from rest in steps of `step_s` (s, as for erard_action_new) and returns the text of
+ * the run.csv that `erard press` writes with the same step: titles, then a row for each step. The stroke stays where it
+ * is. Returns NULL on failure; erard_last_error says what is wrong. Free the text with erard_text_free. Real time: no.
+ */
+char *erard_stroke_run_csv(const struct ErardInstrument *instrument,
+                           const struct ErardStroke *stroke,
+                           double step_s,
+                           size_t *length,
+                           ErardStatus *status);
 
 /**
  * Sets a stroke back to its beginning. Real time: no.

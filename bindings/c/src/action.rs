@@ -3,6 +3,7 @@
 use std::ffi::{CString, c_char};
 use std::ptr::null_mut;
 
+use erard::player::Fingertip;
 use erard::strings::{ShapeProbe, Strings};
 use erard::{Action, Input, Instrument};
 
@@ -112,6 +113,15 @@ unsafe fn step(action: *mut ErardAction, input: Result<Input, ErardStatus>, read
     })
 }
 
+/// Limits of a fingertip of the caller's own, N/m and N s/m: steps of 50 us under its held force are stable far beyond
+/// them only with the mass of a whole key.
+const MAX_TIP_N_PER_M: f64 = 1e6;
+const MAX_TIP_N_S_PER_M: f64 = 1e3;
+
+fn positive_within(number: f64, limit: f64) -> Result<f64, ErardStatus> {
+    within(number, limit).and_then(|number| if number < 0.0 { Err(ErardStatus::Range) } else { Ok(number) })
+}
+
 /// Checks a position and a velocity against the action's limits.
 #[inline(always)]
 pub(crate) fn moving(position_m: f64, velocity_m_per_s: f64) -> Result<[f64; 2], ErardStatus> {
@@ -152,6 +162,35 @@ pub unsafe extern "C" fn erard_action_step_motion(
             reading,
         )
     }
+}
+
+/// Takes one step under a pointer of the caller's that is `position_m` below the key's rest and moves at
+/// `velocity_m_per_s`, down positive, behind a fingertip of the caller's own, `stiffness_n_per_m` (0 to 1e6) and
+/// `damping_n_s_per_m` (0 to 1e3), which only pushes. Its force is that of the key's last reading, held over the step, so
+/// that the instrument stays as its file has it: the fingertip of a mouse or a story may be softer than the file's. For
+/// a device with forces of its own erard_action_step_motion is better, whose coupling the step solves for. `reading` may
+/// be NULL. An error leaves the action as it was. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_action_step_fingertip(
+    action: *mut ErardAction,
+    position_m: f64,
+    velocity_m_per_s: f64,
+    stiffness_n_per_m: f64,
+    damping_n_s_per_m: f64,
+    reading: *mut ErardReading,
+) -> ErardStatus {
+    // SAFETY: `action` is NULL, or an action that is not freed and that no other call changes.
+    let Some(now) = (unsafe { action.as_ref() }).map(|action| action.play.reading) else { return ErardStatus::Null };
+    let input = moving(position_m, velocity_m_per_s).and_then(|pointer| {
+        let fingertip = Fingertip {
+            stiffness_n_per_m: positive_within(stiffness_n_per_m, MAX_TIP_N_PER_M)?,
+            damping_n_s_per_m: positive_within(damping_n_s_per_m, MAX_TIP_N_S_PER_M)?,
+        };
+        within(fingertip.force_n(pointer, [now.key_m, now.key_m_per_s]), ERARD_MAX_FORCE_N).map(Input::Force)
+    });
+    // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `reading` is NULL, or writable
+    // memory for an ErardReading.
+    unsafe { step(action, input, reading) }
 }
 
 /// Takes one step with prescribed motion of the key front: its position, m below rest, and velocity, m/s, down

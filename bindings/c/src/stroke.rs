@@ -7,12 +7,14 @@ use erard::Input;
 use erard::level;
 use erard::player::Hand;
 use erard::recording::{Preparation, prepare};
+use erard::run::{Setup, simulate};
 use erard::stroke::{Columns, DrivingError, Layout, Recording, Stroke, Touch};
 use serde_json::{Value, json};
 
 use crate::action::ErardAction;
 use crate::caller_struct::Place;
 use crate::instrument::{ErardInstrument, given};
+use crate::play::settings;
 use crate::reading::{ERARD_MAX_FORCE_N, ERARD_MAX_POSITION_M, ERARD_MAX_SPEED_M_PER_S, ErardReading, within};
 use crate::status::{ErardStatus, Fault, ended, tell, told};
 use crate::text::{bytes, give, name};
@@ -154,6 +156,36 @@ pub unsafe extern "C" fn erard_stroke_duration(stroke: *const ErardStroke) -> f6
     // SAFETY: `stroke` is NULL, or comes from erard_stroke_new or erard_stroke_builtin, has not been freed, and no
     // other call changes it meanwhile.
     unsafe { stroke.as_ref() }.map_or(0.0, |stroke| stroke.duration_s)
+}
+
+/// Plays a stroke on an instrument from rest in steps of `step_s` (s, as for erard_action_new) and returns the text of
+/// the run.csv that `erard press` writes with the same step: titles, then a row for each step. The stroke stays where it
+/// is. Returns NULL on failure; erard_last_error says what is wrong. Free the text with erard_text_free. Real time: no.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_stroke_run_csv(
+    instrument: *const ErardInstrument,
+    stroke: *const ErardStroke,
+    step_s: f64,
+    length: *mut usize,
+    status: *mut ErardStatus,
+) -> *mut c_char {
+    told(null_mut(), status, || {
+        // SAFETY: `instrument` is NULL, or comes from this library, has not been freed, and no call changes it
+        // meanwhile.
+        let instrument = unsafe { given(instrument) }?;
+        // SAFETY: `stroke` is NULL, or comes from erard_stroke_new or erard_stroke_builtin, has not been freed, and no
+        // other call changes it meanwhile.
+        let stroke = unsafe { stroke.as_ref() }.ok_or_else(|| Fault::null("the stroke"))?;
+        let setup = Setup {
+            settings: settings(step_s),
+            start_s: stroke.start_s,
+            hand: stroke.hand,
+            ..Setup::new(stroke.duration_s)
+        };
+        let run = simulate(instrument.instrument(), &|t| (stroke.drive)(t), &setup, &mut |_| true)
+            .map_err(|error| Fault::new(ErardStatus::Model, error.to_string()))?;
+        give(run.csv(), length)
+    })
 }
 
 /// Sets a stroke back to its beginning. Real time: no.

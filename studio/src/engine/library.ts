@@ -1,5 +1,6 @@
 // liberard in WebAssembly: texts, memory and errors across its C interface (bindings/c/include/erard.h). Knows nothing
 // of pages or workers.
+import type { Stroke } from "./protocol";
 
 /** The functions of erard.h that a page calls. Addresses and sizes are numbers; a text's length may be asked for or
  * not. */
@@ -17,8 +18,6 @@ export interface Exports {
   erard_instrument_of_keyboard(name: number, key: number, status: number): number;
   erard_instrument_free(instrument: number): void;
   erard_instrument_text(instrument: number, length: number, status: number): number;
-  erard_instrument_set(instrument: number, path: number, which: number, value: number): number;
-  erard_instrument_get(instrument: number, path: number, which: number, value: number): number;
   erard_instrument_json(instrument: number, length: number, status: number): number;
   erard_instrument_vary_field(instrument: number, called: number, change: number): number;
   erard_instrument_dial_typed(instrument: number, dial: number, typed: number, value: number): number;
@@ -37,7 +36,7 @@ export interface Exports {
   erard_action_of_instrument(instrument: number, step: number, status: number): number;
   erard_action_free(action: number): void;
   erard_action_step_force(action: number, force: number, reading: number): number;
-  erard_action_step_motion(action: number, position: number, velocity: number, reading: number): number;
+  erard_action_step_fingertip(action: number, position: number, velocity: number, stiffness: number, damping: number, reading: number): number;
   erard_action_step_rigid(action: number, position: number, velocity: number, reading: number): number;
   erard_action_step_free(action: number, reading: number): number;
   erard_action_read(action: number, reading: number): number;
@@ -60,6 +59,7 @@ export interface Exports {
   erard_event_detector_read(detector: number, events: number): number;
   erard_stroke_builtin(instrument: number, nuance: number, struck: number, status: number): number;
   erard_stroke_new(instrument: number, text: number, length: number, status: number): number;
+  erard_stroke_run_csv(instrument: number, stroke: number, step: number, length: number, status: number): number;
   erard_stroke_remarks(stroke: number, length: number, status: number): number;
   erard_recording_columns(titles: number, length: number, status: number): number;
   erard_stroke_free(stroke: number): void;
@@ -197,6 +197,16 @@ export class Library {
     } finally {
       this.raw.erard_memory_free(address, utf8.length + 1);
     }
+  }
+
+  /** A stroke for an instrument, to be freed. The hand of a level is the one that reaches it on `reference`. */
+  stroke(instrument: number, stroke: Stroke, reference = instrument): number {
+    const { raw } = this;
+    return this.made(
+      "csv" in stroke
+        ? this.given(stroke.csv, (at, length) => raw.erard_stroke_new(instrument, at, length, 0))
+        : this.given(stroke.nuance, (at) => raw.erard_stroke_builtin(reference, at, stroke.struck ? 1 : 0, 0)),
+    );
   }
 
   /** The instrument of a text, for a call; freed after it. */

@@ -1,7 +1,7 @@
 // One action that is played: stepped, watched, and its last second kept.
 import { type Library, LibraryError } from "./library";
 import { Ring } from "./ring";
-import type { Events, Pose, Scene } from "./protocol";
+import type { Events, Pose, Scene, Stroke } from "./protocol";
 
 /** Length of a step, s: `erard press` takes the same. */
 export const STEP_S = 50e-6;
@@ -20,10 +20,12 @@ const EVENTS = [
 export type Drive =
   | { kind: "free" }
   | { kind: "force"; force_n: number }
-  | { kind: "finger"; position_m: number; velocity_m_per_s: number }
+  | { kind: "finger"; position_m: number; velocity_m_per_s: number; firmness_n_m: number }
   | { kind: "imposed"; position_m: number; velocity_m_per_s: number }
   | { kind: "stroke" };
 
+/** A fingertip's damping over its stiffness, s: as in the built-in files. */
+const TIP_S = 1e-3;
 /** How far back a string's swing is looked at, rows: 20 ms, five periods of middle C. */
 const SWING_ROWS = 400;
 /** Numbers at the head of a row of the ring: then the angles, then five of every zone, then the string's shape. */
@@ -48,17 +50,15 @@ export class Played {
   /** Steps that reached an iteration limit. */
   limited = 0;
 
-  /** @param firmness_n_m how firm the fingertip is, N/m; its damping goes with it.
-   * @param spare rings that nobody uses any more: twenty megabytes each, which a slider that is dragged would else ask
+  /** @param spare rings that nobody uses any more: twenty megabytes each, which a slider that is dragged would else ask
    * for many times a second. */
-  constructor(private readonly library: Library, text: string, firmness_n_m: number, spare: Ring[]) {
+  constructor(private readonly library: Library, text: string, spare: Ring[]) {
     const { raw } = library;
     this.instrument = library.made(library.given(text, (at, length) => raw.erard_instrument_new(at, length, 0)));
     this.reading = library.struct(READING_BYTES);
     this.events = library.struct(EVENTS_BYTES);
     try {
       this.scene = library.json<Scene>(raw.erard_instrument_drawing_json(this.instrument, 0, 0));
-      this.firm(firmness_n_m);
       this.action = library.made(raw.erard_action_of_instrument(this.instrument, STEP_S, 0));
     } catch (error) {
       raw.erard_instrument_free(this.instrument);
@@ -80,20 +80,6 @@ export class Played {
     this.keep();
   }
 
-  /** A fingertip is as soft as the file says, in the proportion of its spring to its damper. */
-  private firm(firmness_n_m: number): void {
-    const { raw } = this.library;
-    const number = (path: string) =>
-      this.library.given(path, (at) => (raw.erard_instrument_get(this.instrument, at, 0, this.reading + NUMBERS_AT) < 0 ? NaN : this.readings(1)[0]!));
-    const stiffness = number("finger.stiffness_N_per_m"), damping = number("finger.damping_N_s_per_m");
-    // What has no fingertip in its file is pressed by the usual one.
-    if (!(stiffness > 0)) return;
-    const set = (path: string, value: number) =>
-      this.library.given(path, (at) => this.library.done(raw.erard_instrument_set(this.instrument, at, 0, value)));
-    set("finger.stiffness_N_per_m", firmness_n_m);
-    if (damping >= 0) set("finger.damping_N_s_per_m", (damping * firmness_n_m) / stiffness);
-  }
-
   free(): void {
     const { raw } = this.library;
     this.endStroke();
@@ -113,17 +99,17 @@ export class Played {
     this.library.done(this.library.raw.erard_event_detector_observe(this.detector, this.action));
   }
 
-  /** A stroke begins. The hand of a level is the one that reaches it on `reference`, so that two actions that are
+  /** A stroke begins, from rest, as `erard press` plays it: what still moved is at rest, and the clock at 0. The hand of a level is the one that reaches it on `reference`, so that two actions that are
    * compared are played by one hand. @returns what was done to a recording to make it ready, a line each. */
-  beginStroke(stroke: { nuance: string; struck: boolean } | { csv: string }, reference: Played): string[] {
+  beginStroke(stroke: Stroke, reference: Played): string[] {
     const { raw } = this.library;
     this.endStroke();
-    this.stroke = this.library.made(
-      "csv" in stroke
-        ? this.library.given(stroke.csv, (at, length) => raw.erard_stroke_new(this.instrument, at, length, 0))
-        : this.library.given(stroke.nuance, (at) => raw.erard_stroke_builtin(reference.instrument, at, stroke.struck ? 1 : 0, 0)),
-    );
+    this.stroke = this.library.stroke(this.instrument, stroke, reference.instrument);
     this.strokeLeft_s = raw.erard_stroke_duration(this.stroke);
+    this.library.done(raw.erard_action_reset(this.action));
+    raw.erard_action_read(this.action, this.reading);
+    this.ring.clear();
+    this.keep();
     this.begin();
     return this.library.taken(raw.erard_stroke_remarks(this.stroke, 0, 0)).split("\n").filter((line) => line);
   }
@@ -143,7 +129,7 @@ export class Played {
   step(drive: Drive): void {
     const { raw } = this.library;
     let status: number;
-    if (drive.kind === "finger") status = raw.erard_action_step_motion(this.action, drive.position_m, drive.velocity_m_per_s, this.reading);
+    if (drive.kind === "finger") status = raw.erard_action_step_fingertip(this.action, drive.position_m, drive.velocity_m_per_s, drive.firmness_n_m, TIP_S * drive.firmness_n_m, this.reading);
     else if (drive.kind === "imposed") status = raw.erard_action_step_rigid(this.action, drive.position_m, drive.velocity_m_per_s, this.reading);
     else if (drive.kind === "force") status = raw.erard_action_step_force(this.action, drive.force_n, this.reading);
     else if (drive.kind === "stroke" && this.stroke) {

@@ -45,17 +45,17 @@ export class Player {
   /** Steps since the last time it was asked, and whether anything moved. */
   steps = 0;
   resting = false;
-  /** What was last sound: texts, how firm, and states. */
-  private good: { texts: string[]; firmness_n_m: number; saved: Uint8Array[] } | null = null;
+  /** What was last sound: texts, and states. */
+  private good: { texts: string[]; saved: Uint8Array[] } | null = null;
 
   constructor(private library: Library) {}
 
   /** Replaces the instruments, at rest. If one of them cannot be made, the old ones stay. */
-  load(texts: string[], firmness_n_m: number): Scene[] {
+  load(texts: string[]): Scene[] {
     const loaded: Played[] = [];
     texts.forEach((text, which) => {
       try {
-        loaded.push(new Played(this.library, text, firmness_n_m, this.spare));
+        loaded.push(new Played(this.library, text, this.spare));
       } catch (error) {
         loaded.forEach((one) => one.free());
         if (error instanceof LibraryError) throw new LoadError(which, error.message);
@@ -76,7 +76,7 @@ export class Player {
     this.resting = false;
     this.pedalled = this.pedal_m !== 0;
     this.actions.forEach((one) => one.pedal(this.pedal_m));
-    this.good = { texts, firmness_n_m, saved: loaded.map((one) => one.save()) };
+    this.good = { texts, saved: loaded.map((one) => one.save()) };
     return this.scenes;
   }
 
@@ -90,16 +90,20 @@ export class Player {
     this.library = library;
     this.actions = [];
     if (!good) return [];
-    const scenes = this.load(good.texts, good.firmness_n_m);
+    const scenes = this.load(good.texts);
     this.actions.forEach((one, which) => one.restore(good.saved[which]!));
     return scenes;
   }
 
   /** A stroke begins on all actions. @returns what was done to a recording to make it ready, a line each. */
   begin(stroke: Stroke): string[] {
-    this.owed_s = 0;
+    this.owed_s = this.force_n = 0;
+    this.finger_m = null;
+    this.impact_s = -Infinity;
     this.resting = false;
-    return this.actions.map((one) => one.beginStroke("csv" in stroke ? { csv: stroke.csv } : stroke, this.actions[0]!))[0] ?? [];
+    const told = this.actions.map((one) => one.beginStroke(stroke, this.actions[0]!))[0] ?? [];
+    this.actions.forEach((one) => one.pedal(this.pedal_m));
+    return told;
   }
 
   /** Sends the sustain pedal's rail to a lift, m. */
@@ -173,7 +177,7 @@ export class Player {
       if (to !== null && from !== null) {
         // A step takes a finger's place in its middle, a key front's at its end.
         const place_m = (share: number) => from + velocity * (n + share) * STEP_S;
-        drive = imposed ? { kind: "imposed", position_m: place_m(1), velocity_m_per_s: velocity } : { kind: "finger", position_m: place_m(0.5), velocity_m_per_s: velocity };
+        drive = imposed ? { kind: "imposed", position_m: place_m(1), velocity_m_per_s: velocity } : { kind: "finger", position_m: place_m(0.5), velocity_m_per_s: velocity, firmness_n_m: touch.kind === "finger" ? touch.firmness_n_m : 0 };
       } else if (this.force_n > 0) drive = { kind: "force", force_n: this.force_n };
       this.actions.forEach((one, action) => {
         const before = one.impact_count;

@@ -35,7 +35,7 @@ const act = async (message: ToPlayer): Promise<void> => {
   switch (message.kind) {
     case "load":
       try {
-        say({ kind: "loaded", id: message.id, scenes: player.load(message.texts, message.firmness_n_m) });
+        say({ kind: "loaded", id: message.id, scenes: player.load(message.texts) });
       } catch (error) {
         if (!(error instanceof LoadError)) throw error;
         say({ kind: "refused", id: message.id, which: error.which, message: error.message });

@@ -58,9 +58,9 @@ export interface Impact {
   hammer_speed_m_per_s: number;
 }
 
-/** What presses the key: the fingertip somewhere (null: lifted), the key front's own motion where it is imposed, or a
- * force that grows and fades within milliseconds. */
-export type Touch = { kind: "finger"; position_m: number | null; imposed?: boolean } | { kind: "force"; force_n: number };
+/** What presses the key: a fingertip somewhere (null: lifted), so firm, the key front's own motion where it is imposed, or
+ * a force that grows and fades within milliseconds. The instrument's own fingertip belongs to strokes. */
+export type Touch = { kind: "finger"; position_m: number | null; firmness_n_m: number; imposed?: boolean } | { kind: "force"; force_n: number };
 
 /** A stroke that is built in, or a recording: a table's text, and the name of its file, with `rows` where lines of the
  * text are no lines of the file. */
@@ -76,7 +76,7 @@ export type Slow =
 
 export type ToPlayer =
   | { kind: "open"; module: WebAssembly.Module }
-  | { kind: "load"; id: number; texts: string[]; firmness_n_m: number; keep: boolean }
+  | { kind: "load"; id: number; texts: string[]; keep: boolean }
   | { kind: "stroke"; stroke: Stroke }
   | { kind: "stop" }
   | { kind: "pedal"; lift_m: number }
@@ -197,6 +197,7 @@ export type Task =
   | { kind: "sheet"; key: number }
   | { kind: "check"; text: string }
   | { kind: "columns"; titles: string[] }
+  | { kind: "run"; text: string; stroke: Stroke }
   | { kind: "try"; text: string }
   | { kind: "measure"; text: string; lines: string }
   | { kind: "regulate"; text: string }

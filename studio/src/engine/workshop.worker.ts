@@ -1,5 +1,6 @@
 // A worker for what takes its time: files checked, sheets measured, screws turned. The player never waits for it.
 import { Library, LibraryError } from "./library";
+import { STEP_S } from "./played";
 import type { FromWorkshop, Task, ToWorkshop } from "./protocol";
 
 let library: Library;
@@ -53,6 +54,15 @@ const answer = (task: Task): unknown => {
       return library.given(task.text, (at, length) => library.json(raw.erard_file_check(at, length, 0, 0)));
     case "columns":
       return library.given(JSON.stringify(task.titles), (at) => library.json(raw.erard_recording_columns(at, 0, 0)));
+    case "run":
+      return library.withInstrument(task.text, (instrument) => {
+        const stroke = library.stroke(instrument, task.stroke);
+        try {
+          return library.taken(raw.erard_stroke_run_csv(instrument, stroke, STEP_S, 0, 0));
+        } finally {
+          raw.erard_stroke_free(stroke);
+        }
+      });
     case "try":
       return library.withInstrument(task.text, (instrument) => library.json(raw.erard_instrument_test_press(instrument, 0, 0)));
     case "measure":

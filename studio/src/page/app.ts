@@ -34,6 +34,9 @@ const CURVES_MS = 60;
  * the machine sleeps. */
 const PATIENCE = 300;
 
+/** No finger on the key; how firm it is comes with every frame. */
+const LIFTED: Extract<Touch, { kind: "finger" }> = { kind: "finger", position_m: null, firmness_n_m: 0 };
+
 export class App {
   state: State = structuredClone(FIRST);
   loaded: Loaded[] = [];
@@ -48,7 +51,7 @@ export class App {
   private future: State[] = [];
   private loadId = 0;
   private waitingFor: ((refused: { which: number; message: string } | null) => void) | null = null;
-  private touch: Touch = { kind: "finger", position_m: null };
+  private touch: Touch = LIFTED;
   /** The instant that is looked at; null is now. */
   private at_s: number | null = null;
   private playing = false;
@@ -315,7 +318,8 @@ export class App {
     this.asked_ms = now;
     this.waited = 0;
     this.woken = false;
-    this.tell({ kind: "frame", wall_ms: now, touch: this.touch, at_s: this.at_s, curves, pace: this.state.slow ? this.state.speed : 1, slow: [] });
+    const touch = this.touch.kind === "finger" ? { ...this.touch, firmness_n_m: 1e3 * this.state.firmness } : this.touch;
+    this.tell({ kind: "frame", wall_ms: now, touch, at_s: this.at_s, curves, pace: this.state.slow ? this.state.speed : 1, slow: [] });
   };
 
   private transport(frame: Frame): void {
@@ -355,7 +359,7 @@ export class App {
   press(down_m: number | null): void {
     this.goLive();
     const { imposed } = this.state, [least_m, most_m] = imposed ? [0, DEEPEST_M] : [-0.005, 0.095];
-    this.touch = { kind: "finger", position_m: down_m === null ? null : Math.min(Math.max(down_m, least_m), most_m), imposed };
+    this.touch = { ...LIFTED, position_m: down_m === null ? null : Math.min(Math.max(down_m, least_m), most_m), imposed };
     if (down_m !== null && down_m > 1e-3) document.getElementById("hint")?.remove();
     this.begin();
   }
@@ -368,10 +372,15 @@ export class App {
     this.begin();
   }
 
+  /** The stroke that was played last. */
+  lastStroke: Stroke | null = null;
+
+  /** A stroke is played from rest, as `erard press` plays it. */
   stroke(stroke: Stroke): void {
     this.goLive();
     this.notice(null);
-    this.touch = { kind: "finger", position_m: null };
+    this.touch = LIFTED;
+    this.lastStroke = stroke;
     this.tell({ kind: "stroke", stroke });
     document.getElementById("hint")?.remove();
     this.begin();
@@ -467,7 +476,7 @@ export class App {
     const before = this.state;
     const next = { ...this.state, ...change };
     if (same(before, next)) return true;
-    const instruments = !same([before.a, before.b, before.firmness], [next.a, next.b, next.firmness]);
+    const instruments = !same([before.a, before.b], [next.a, next.b]);
     this.state = next;
     if (instruments) {
       const goes = gesture !== null && gesture === this.gesture;
@@ -505,9 +514,9 @@ export class App {
     await this.goTo(to);
   }
 
-  private async goTo({ a, b, firmness }: State): Promise<void> {
+  private async goTo({ a, b }: State): Promise<void> {
     this.gesture = null;
-    this.state = { ...this.state, a, b, firmness };
+    this.state = { ...this.state, a, b };
     this.remember();
     await this.reload();
   }
@@ -564,7 +573,7 @@ export class App {
   }
 
   private async load(): Promise<boolean> {
-    const { a, b, firmness } = this.state;
+    const { a, b } = this.state;
     const settings = b ? [a, b] : [a];
     const loaded: Loaded[] = [];
     for (const [which, setting] of settings.entries()) {
@@ -584,7 +593,7 @@ export class App {
     const refused = await new Promise<{ which: number; message: string } | null>((resolve) => {
       this.waitingFor = resolve;
       this.tell({ kind: "pedal", lift_m: 1e-3 * this.state.pedal });
-      this.tell({ kind: "load", id, texts: loaded.map(({ text }) => text), firmness_n_m: 1e3 * firmness, keep: true });
+      this.tell({ kind: "load", id, texts: loaded.map(({ text }) => text), keep: true });
     });
     if (refused) {
       this.loaded = was;

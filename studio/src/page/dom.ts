@@ -21,6 +21,13 @@ export const byId = <T extends Element = HTMLElement>(id: string): T => {
   return found as Element as T;
 };
 
+/** Saves a text as a file of the reader's. */
+export const save = (text: string, name: string, type = "text/plain"): void => {
+  const link = h("a", { href: URL.createObjectURL(new Blob([text], { type })), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+};
+
 /** Says something to screen readers, too. */
 export const say = (text: string): void => {
   byId("said").textContent = text;

@@ -1,7 +1,7 @@
 // The file itself beside the action: edited with the reader's own errors at line and key, opened and saved.
 import type { Check } from "../engine/protocol";
 import type { App } from "./app";
-import { h, later, say } from "./dom";
+import { h, later, save as download, say } from "./dom";
 
 export const filePanel = (app: App, into: HTMLElement): void => {
   const gutter = h("pre", { class: "gutter", "aria-hidden": "true" });
@@ -76,9 +76,7 @@ export const filePanel = (app: App, into: HTMLElement): void => {
   });
   document.addEventListener("instrument", (event) => opened((event as CustomEvent<string>).detail));
   const save = () => {
-    const link = h("a", { href: URL.createObjectURL(new Blob([area.value], { type: "text/plain" })), download: `${app.title(0).replace(/[^\w.-]+/g, "-") || "instrument"}.toml` });
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+    download(area.value, `${app.title(0).replace(/[^\w.-]+/g, "-") || "instrument"}.toml`);
     say("The file is saved.");
   };
 

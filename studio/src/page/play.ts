@@ -1,7 +1,7 @@
 // Play: how firm the finger is, how hard a key presses, strokes that are built in, and a recording that is dropped onto
 // the page.
 import type { App } from "./app";
-import { fixed, h, say } from "./dom";
+import { fixed, h, save, say } from "./dom";
 import { MAX_PEDAL_MM } from "./state";
 
 /** A pedal that is down, mm of its rail: dampers are clear of the strings. */
@@ -55,6 +55,19 @@ export const playPanel = (app: App, into: HTMLElement): void => {
     strokes.append(row);
   }
 
+  const saved = h("button", { type: "button", id: "save-run", disabled: true }, "Save its run.csv");
+  saved.addEventListener("click", async () => {
+    const stroke = app.lastStroke, text = app.loaded[0]?.text;
+    if (!stroke || text === undefined) return;
+    saved.disabled = true;
+    try {
+      save(await app.bench.ask<string>({ kind: "run", text, stroke }), "run.csv", "text/csv");
+      say("The run is saved.");
+    } catch (error) {
+      app.notice((error as Error).message);
+    }
+    saved.disabled = false;
+  });
   const recorded = h("p", { class: "soft", id: "recorded" });
   const done = h("ul", { class: "soft", id: "made-ready" });
   let kept: { csv: string; name: string; rows?: boolean } | null = null;
@@ -105,7 +118,9 @@ export const playPanel = (app: App, into: HTMLElement): void => {
     force.row,
     pedalRow,
     h("h2", {}, "Strokes"),
+    h("p", { class: "soft" }, "Each is played from rest, by the hand and the fingertip of ", h("kbd", {}, "erard press"), ", and gives the numbers of that command."),
     strokes,
+    h("div", { class: "row" }, saved),
     h("h2", {}, "A recording"),
     h("p", { class: "soft" }, "A CSV or Parquet file with a column for the time and one for force or position (a run.csv is one), dropped onto the page or opened here. It is prepared as by the command: its zero is the rest before the touch."),
     h("div", { class: "row" }, h("button", { type: "button", onclick: () => choose.click() }, "Open a recording"), again, choose),
@@ -123,5 +138,6 @@ export const playPanel = (app: App, into: HTMLElement): void => {
     pedalled.textContent = `${fixed(app.state.pedal, 2)} mm`;
     pedal.setAttribute("aria-valuetext", pedalled.textContent);
   });
+  app.onstroke.push(() => (saved.disabled = false));
   app.onstroke.push((told) => done.replaceChildren(...told.map((line) => h("li", {}, line))));
 };

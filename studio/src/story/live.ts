@@ -28,7 +28,7 @@ export class Live {
   private loadId = 0;
   private resolve: ((scene: Scene) => void) | null = null;
   private reject: ((error: Error) => void) | null = null;
-  private touch: Touch = { kind: "finger", position_m: null };
+  private touch: Touch = { kind: "finger", position_m: null, firmness_n_m: FIRM_N_PER_M };
   private needed = false;
   private asked = false;
   private waited = 0;
@@ -106,20 +106,20 @@ export class Live {
   async load(setup: Setup): Promise<Scene> {
     const id = ++this.loadId;
     this.since = null;
-    this.touch = { kind: "finger", position_m: null };
+    this.touch = { kind: "finger", position_m: null, firmness_n_m: FIRM_N_PER_M };
     const text = await this.textOf(setup);
     if (id !== this.loadId) return new Promise(() => {});
     this.loaded = false;
     return new Promise((resolve, reject) => {
       [this.resolve, this.reject] = [resolve, reject];
       this.tell({ kind: "pedal", lift_m: 1e-3 * (setup.pedal_mm ?? 0) });
-      this.tell({ kind: "load", id, texts: [text], firmness_n_m: FIRM_N_PER_M, keep: true });
+      this.tell({ kind: "load", id, texts: [text], keep: true });
     });
   }
 
   /** A finger so far below the key's rest, m; null lifts it. */
   press(position_m: number | null): void {
-    this.touch = { kind: "finger", position_m };
+    this.touch = { kind: "finger", position_m, firmness_n_m: FIRM_N_PER_M };
     this.wake();
   }
 
@@ -131,7 +131,7 @@ export class Live {
 
   /** Plays a table of times and places of the key. */
   play(csv: string): void {
-    this.touch = { kind: "finger", position_m: null };
+    this.touch = { kind: "finger", position_m: null, firmness_n_m: FIRM_N_PER_M };
     this.tell({ kind: "stroke", stroke: { csv, name: "the step’s own stroke" } });
     this.wake();
   }

@@ -41,6 +41,9 @@ fn numbers_that_no_action_takes() {
                 erard_action_step_force(action.0, bad, place),
                 erard_action_step_motion(action.0, bad, 0.0, place),
                 erard_action_step_motion(action.0, 0.0, bad, place),
+                erard_action_step_fingertip(action.0, bad, 0.0, 800.0, 0.8, place),
+                erard_action_step_fingertip(action.0, 0.0, bad, 800.0, 0.8, place),
+                erard_action_step_fingertip(action.0, 0.0, 0.0, 800.0, bad, place),
                 erard_action_step_rigid(action.0, bad, 0.0, place),
                 erard_action_step_rigid(action.0, 0.0, bad, place),
                 erard_action_advance(action.0, 1e-3, &pushed(bad), place),
@@ -48,7 +51,7 @@ fn numbers_that_no_action_takes() {
                 erard_action_advance(action.0, bad, &pushed(1.0), place),
             ]
         };
-        assert_eq!(found, [expected; 8], "{bad}");
+        assert_eq!(found, [expected; 11], "{bad}");
         unchanged(&action, &before, &bad.to_string());
         assert_eq!(r, action.read(), "the reading is the one before");
     }
@@ -93,6 +96,7 @@ fn nothing_at_all() {
         for status in [
             erard_action_step_force(action, 1.0, null_mut()),
             erard_action_step_motion(action, 0.0, 0.0, null_mut()),
+            erard_action_step_fingertip(action, 0.0, 0.0, 800.0, 0.8, null_mut()),
             erard_action_step_rigid(action, 0.0, 0.0, null_mut()),
             erard_action_step_free(action, null_mut()),
             erard_action_advance(action, 1e-3, &raw const input, null_mut()),

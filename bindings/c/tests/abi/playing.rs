@@ -388,6 +388,77 @@ fn recordings_are_made_ready() {
     assert_eq!(status, ErardStatus::Null);
 }
 
+/// A fingertip of the caller's own gives what an instrument with that fingertip gives, but for its force, which is of the
+/// step's beginning: the difference halves with the step. It only pushes, and leaves the instrument as it was.
+#[test]
+fn a_fingertip_of_the_callers_own() {
+    let (own, softened) = (Owned::grand(), Owned::grand());
+    for (path, value) in [(c"finger.stiffness_N_per_m", 3000.0), (c"finger.damping_N_s_per_m", 3.0)] {
+        assert_eq!(unsafe { erard_instrument_set(softened.0, path.as_ptr(), 0, value) }, ErardStatus::Ok);
+    }
+    let played = |step_s: f64, of: &Owned, is_own: bool| -> Vec<f64> {
+        let action = Action(unsafe { erard_action_of_instrument(of.0, step_s, null_mut()) });
+        assert!(!action.0.is_null(), "{}", last_error());
+        let mut reading = ErardReading::default();
+        let mut all = Vec::new();
+        for n in 0..(0.08 / step_s).round() as usize {
+            // 0.1 m/s from rest on, in the middle of the step.
+            let at = 0.1 * (n as f64 + 0.5) * step_s;
+            let status = unsafe {
+                if is_own {
+                    erard_action_step_fingertip(action.0, at, 0.1, 3000.0, 3.0, &raw mut reading)
+                } else {
+                    erard_action_step_motion(action.0, at, 0.1, &raw mut reading)
+                }
+            };
+            assert!(status as i32 >= 0);
+            assert!(reading.finger_force_n >= 0.0);
+            all.push(reading.key_m);
+        }
+        all
+    };
+    let off = |step_s: f64| {
+        let [one, other] = [played(step_s, &own, true), played(step_s, &softened, false)];
+        one.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let [whole, half] = [off(50e-6), off(25e-6)];
+    assert!(whole > 1e-8 && whole < 2e-5, "{whole}");
+    assert!(half < 0.7 * whole, "{half} {whole}");
+    // A pointer above the key does not touch it.
+    let action = Action::grand();
+    let mut reading = ErardReading::default();
+    let status = unsafe { erard_action_step_fingertip(action.0, -1e-3, 0.0, 3000.0, 3.0, &raw mut reading) };
+    assert_eq!((status, reading.finger_force_n), (ErardStatus::Ok, 0.0));
+    let status = unsafe { erard_action_step_fingertip(action.0, 1e-3, 0.0, -1.0, 3.0, &raw mut reading) };
+    assert_eq!(status, ErardStatus::Range);
+}
+
+/// The text of a stroke's run is that of the run's own table.
+#[test]
+fn the_run_of_a_stroke_as_text() {
+    let (grand, native) = (Owned::grand(), Instrument::builtin("concert-grand").unwrap());
+    let stroke = unsafe { erard_stroke_builtin(grand.0, c"mf".as_ptr(), 1, null_mut()) };
+    let text = taken(unsafe { erard_stroke_run_csv(grand.0, stroke, 50e-6, null_mut(), null_mut()) });
+    unsafe { erard_stroke_free(stroke) };
+    let run = pressed(&native, "mf", Touch::Struck);
+    let mut lines = text.lines();
+    let titles: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let columns = run.columns();
+    assert_eq!(titles, columns.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
+    let mut rows = 0;
+    for (row, line) in lines.enumerate() {
+        let cells = line.split(',').zip(&columns);
+        for (cell, (name, values)) in cells {
+            assert_eq!(cell.parse::<f64>().unwrap().to_bits(), values[row].to_bits(), "{name}, row {row}");
+        }
+        rows += 1;
+    }
+    assert_eq!(rows, run.time_s.len());
+    let mut status = ErardStatus::Ok;
+    assert!(unsafe { erard_stroke_run_csv(grand.0, null(), 50e-6, null_mut(), &raw mut status) }.is_null());
+    assert_eq!(status, ErardStatus::Null);
+}
+
 /// A caller that reads a table of another kind learns which of its columns are read, in the words of the reader of
 /// text.
 #[test]

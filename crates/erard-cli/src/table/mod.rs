@@ -6,7 +6,7 @@ mod text;
 use std::borrow::Cow;
 use std::io::Write;
 
-use erard::run::{Run, column_unit};
+use erard::run::{Run, column_unit, shortest};
 use erard_figures::made_by::MadeBy;
 use maud::{Markup, html};
 use serde::Serialize;
@@ -216,7 +216,7 @@ impl Cells<'_> {
     fn write(&self, row: usize, text: &mut String) {
         match self {
             Cells::Words(words) => text.push_str(words.get(row).map_or("", String::as_str)),
-            _ => self.number(row).into_iter().for_each(|x| text::shortest(x, text)),
+            _ => self.number(row).into_iter().for_each(|x| shortest(x, text)),
         }
     }
 

@@ -186,12 +186,6 @@ pub(crate) fn wrapped(text: &str, room: usize) -> Vec<String> {
     lines
 }
 
-/// The shortest text that reads back as the same number.
-pub(super) fn shortest(x: f64, text: &mut String) {
-    // Writing to a string does not fail.
-    let _ = if x != 0.0 && (x.abs() < 1e-4 || x.abs() >= 1e9) { write!(text, "{x:e}") } else { write!(text, "{x}") };
-}
-
 /// Three digits that count.
 pub fn three(x: f64) -> String {
     let decimals = (2 - x.abs().max(1e-9).log10().floor() as i32).clamp(0, 3);

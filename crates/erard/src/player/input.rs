@@ -64,6 +64,31 @@ impl Input {
     }
 }
 
+/// A fingertip between a pointer and the key front that belongs to the player, not to the instrument: a spring and a
+/// damper that only push. Its force is that of the key's last reading, held over a step ([`Input::Force`]), so that the
+/// instrument stays as its file has it. The steps stay stable while their square times the stiffness, and their length
+/// times the damping, are well below the mass at the key front (some 0.1 kg: with 50 us, below 1e6 N/m and 1e3 N s/m).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fingertip {
+    /// N/m.
+    pub stiffness_n_per_m: f64,
+    /// N s/m.
+    pub damping_n_s_per_m: f64,
+}
+
+impl Fingertip {
+    /// Returns its force on the key front, N, not negative: `position_m` and `velocity_m_per_s` are the pointer's, as in
+    /// [`Input::Motion`]; `key_m` and `key_m_per_s` the key's, as in a [`Reading`](super::Reading).
+    #[must_use]
+    pub fn force_n(&self, [position_m, velocity_m_per_s]: [f64; 2], [key_m, key_m_per_s]: [f64; 2]) -> f64 {
+        let depth_m = position_m - key_m;
+        if depth_m <= 0.0 {
+            return 0.0;
+        }
+        (self.stiffness_n_per_m * depth_m + self.damping_n_s_per_m * (velocity_m_per_s - key_m_per_s)).max(0.0)
+    }
+}
+
 /// The input of the key as a function of time, s from the stroke's start.
 pub type Drive<'a> = dyn Fn(f64) -> Input + 'a;
 

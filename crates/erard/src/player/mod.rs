@@ -20,7 +20,7 @@ mod work;
 pub use action::{Action, ActionError, PlayError, Reading};
 pub use hand::{Hand, HandError, HandInput, Joints};
 pub use input::{
-    Drive, Input, InputRange, MAX_FORCE_N, MAX_POSITION_M, MAX_SPEED_M_PER_S, check, force, motion, rigid,
+    Drive, Fingertip, Input, InputRange, MAX_FORCE_N, MAX_POSITION_M, MAX_SPEED_M_PER_S, check, force, motion, rigid,
 };
 pub use inside::Inside;
 pub use ledger::LedgerBook;

@@ -14,6 +14,8 @@ pub use sound::{RATE_HZ, Sound, sound};
 pub use crate::events::Events;
 pub use crate::player::{BodySeries, ControlWork, StringSeries, Work, ZoneSeries};
 
+use std::fmt::Write as _;
+
 use moreau::Ledger;
 
 use crate::parameter::Quantity;
@@ -107,6 +109,33 @@ impl Run {
         }
         columns
     }
+
+    /// Returns its table as text, the run.csv of a press: a line of [`Run::columns`]' names, then a line for each row.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let columns = self.columns();
+        let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+        let mut text = names.join(",");
+        text.push('\n');
+        for row in 0..self.time_s.len() {
+            for (place, (_, values)) in columns.iter().enumerate() {
+                if place > 0 {
+                    text.push(',');
+                }
+                if let Some(value) = values.get(row) {
+                    shortest(*value, &mut text);
+                }
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// Appends the shortest text that reads back as the same number.
+pub fn shortest(x: f64, text: &mut String) {
+    // Writing to a string does not fail.
+    let _ = if x != 0.0 && (x.abs() < 1e-4 || x.abs() >= 1e9) { write!(text, "{x:e}") } else { write!(text, "{x}") };
 }
 
 /// The unit that a column's name ends with; `1` for a number without.
