@@ -72,11 +72,16 @@ export const refused = async ({ visit }) => {
 };
 
 export const regulate = async ({ visit }) => {
+  // What is in its range is left alone.
+  const untouched = await visit("#tab=screws");
+  await untouched.click("#regulate");
+  await until(untouched, () => document.querySelector("#log")?.textContent.includes("nothing is turned"), undefined, 120_000);
+  assert.deepEqual(await untouched.evaluate(() => studio.state.a.turns), {});
   const page = await visit("#tab=screws&a=concert-grand;let_off:-1.5;drop:1");
   await page.click("#regulate");
   await until(page, () => document.querySelector("#log ol") !== null, undefined, 120_000);
   const log = await page.textContent("#log");
-  assert.match(log, /Every goal is met/);
+  assert.match(log, /What was out of its usual range is at the trade.s norm/);
   assert.match(log, /let-off: .* mm, up by/);
   await until(page, () => studio.state.a.turns.let_off !== -1.5 && studio.loaded[0].setting.turns.let_off !== -1.5);
   await page.waitForTimeout(300);

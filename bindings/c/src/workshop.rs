@@ -16,7 +16,7 @@ use erard_workshop::dials::{DialError, dials, typed_value, with_dials};
 use erard_workshop::distances::Protocol;
 use erard_workshop::measure::norms::{GROUPS, Line, MIDDLE_C, lines};
 use erard_workshop::measure::{MeasureError, measure, measure_some};
-use erard_workshop::regulate::{Goal, Specification, parse_value, regulate};
+use erard_workshop::regulate::{Goal, Specification, Status, needed, parse_value, regulate, regulate_following};
 use erard_workshop::test_press::test_press;
 use serde_json::{Map, Value, json};
 
@@ -210,7 +210,7 @@ fn not_measured(error: &MeasureError) -> Fault {
 /// Turns an instrument's screws until its action meets goals and returns JSON: the outcome of every goal, the screws
 /// that were turned, all distances before and after (the fields of the report that `erard regulate` writes), and
 /// "file", the text of the instrument file with its new settings. The instrument itself does not change. If `goals` is
-/// NULL, the goals are the trade's norms. Otherwise it is a JSON object of goals by name, with values in mm
+/// NULL, what is out of its usual range is set to the trade's norm, and all else stays as it is. Otherwise it is a JSON object of goals by name, with values in mm
 /// (`repetition spring` in mm/s, `damper start` in %) or texts with units: {"let-off": 1.5, "blow": "1.8in"}.
 /// `progress` may be NULL. Takes seconds. Returns NULL on failure. Free the text with erard_text_free.
 #[unsafe(no_mangle)]
@@ -226,13 +226,19 @@ pub unsafe extern "C" fn erard_instrument_regulate(
         // SAFETY: `instrument` is NULL, or one of this library that is not freed and that no call changes; `goals` is
         // NULL, or a text that ends with a zero.
         let own = unsafe { given(instrument) }?;
-        let specification = if goals.is_null() { Goal::norms() } else { asked(unsafe { name(goals, "the goals") }?)? };
+        let goals = if goals.is_null() { None } else { Some(asked(unsafe { name(goals, "the goals") }?)?) };
         let stopped = Cell::new(false);
-        let regulated = regulate(own.instrument(), &specification, &Protocol::default(), &mut |now| {
+        let (protocol, action) = (Protocol::default(), own.instrument());
+        let mut tell = |now: &Status| {
             let on = going(progress, user, now.share);
             stopped.set(stopped.get() || !on);
             on
-        });
+        };
+        let regulated = match goals {
+            Some(goals) => regulate(action, &goals, &protocol, &mut tell),
+            None => needed(action, &protocol, &mut tell)
+                .and_then(|goals| regulate_following(action, &goals, &protocol, &mut tell)),
+        };
         let regulated = regulated.map_err(|error| {
             let status = if stopped.get() { ErardStatus::Interrupted } else { ErardStatus::Model };
             Fault::new(status, error.to_string())

@@ -14,7 +14,7 @@ use erard_workshop::distances::{DistanceError, Protocol};
 use erard_workshop::measure::norms::{Line, MIDDLE_C, lines, norms_key};
 use erard_workshop::measure::{MeasureError, measure as measure_all, measure_some};
 use erard_workshop::regulate::{
-    Goal, Miss, RegulateError, Specification, parse_value, regulate as turn, regulate_following, show,
+    Goal, Miss, RegulateError, Specification, Status, needed, parse_value, regulate as turn, regulate_following, show,
 };
 use erard_workshop::weighing::{WeighedKey, Weights, weigh};
 use pyo3::prelude::*;
@@ -115,18 +115,22 @@ pub(crate) fn regulate<'py>(
             .map_err(|expected| wrong_argument(name, format!("found `{text}`, expected {expected}")))?;
         specification.push((goal, target));
     }
-    if specification.is_empty() || norms {
+    let is_open = specification.is_empty() && !norms;
+    if norms {
         let given: Vec<Goal> = specification.iter().map(|(goal, _)| *goal).collect();
         specification.extend(Goal::norms().into_iter().filter(|(goal, _)| !given.contains(goal)));
     }
     let (inner, kind) = (instrument.inner.clone(), rest_named(rest)?);
-    let work = if follow { regulate_following } else { turn };
+    let work = if follow || is_open { regulate_following } else { turn };
     let regulated = watched(
         py,
         progress,
         move |going| {
             let rest = RestPose::of(&inner, kind, going).map_err(DistanceError::from)?;
-            work(&rest, &specification, &Protocol::default(), &mut |status| going(status.share))
+            let protocol = Protocol::default();
+            let mut tell = |status: &Status| going(status.share);
+            let specification = if is_open { needed(&rest, &protocol, &mut tell)? } else { specification };
+            work(&rest, &specification, &protocol, &mut tell)
         },
         |error| match error {
             RegulateError::NoScrew { .. } => wrong(error),

@@ -145,7 +145,7 @@ export const screwsPanel = (app: App, into: HTMLElement): void => {
       for (const { screw, to } of done.screws) turns[screw] = to;
       await app.change({ a: { ...app.state.a, turns } });
       log.replaceChildren(...told(done, before.dials));
-      say(done.all_met ? "Regulated: every goal is met." : "Regulated as far as the screws allow.");
+      say(done.goals.length === 0 ? "Nothing is turned: every distance is in its usual range." : done.all_met ? "Regulated: every goal is met." : "Regulated as far as the screws allow.");
     } catch (error) {
       if (!(error instanceof Dropped)) log.replaceChildren(h("p", { class: "bad" }, `It cannot be regulated: ${(error as Error).message}`));
     } finally {
@@ -229,8 +229,8 @@ const told = (done: Regulated, dials: Dial[]): HTMLElement[] => {
   });
   const missed = done.goals.filter(({ met }) => !met).map(({ goal, asked, after, unit, why_not }) => h("li", { class: "bad" }, `${goal}: asked ${fixed(asked, 2)} ${unit}, there is ${fixed(after, 2)} ${unit}${why_not ? `: ${why_not}` : ""}`));
   return [
-    h("p", {}, done.all_met ? "Every goal is met. What was turned:" : "Regulated as far as the screws allow. What was turned:"),
-    h("ol", {}, ...(turns.length ? turns : [h("li", {}, "nothing: it was regulated")])),
+    h("p", {}, done.goals.length === 0 ? "Every distance with a screw is in its usual range: nothing is turned." : done.all_met ? "What was out of its usual range is at the trade\u2019s norm, all else as it was. What was turned:" : "Regulated as far as the screws allow. What was turned:"),
+    ...(turns.length ? [h("ol", {}, ...turns)] : []),
     ...(missed.length ? [h("p", {}, "What was missed:"), h("ul", {}, ...missed)] : []),
   ];
 };

@@ -119,6 +119,7 @@ export const STEPS: Record<string, Step> = {
       const { key_m, hammer_rise_m } = now.pose;
       if (now.press.impacts && key_m > 8e-3) return [`All the way: the hammer struck at ${fixed(now.press.hammer_speed_m_per_s, 1)} m/s, some six times as fast as the key moved. Now come up to halfway.`, false];
       if (!going(now)) return WAITING;
+      if (key_m < 5e-4) return ["The key is up again. Press it to halfway, and hold it there.", false];
       const half = key_m > 4.5e-3 && key_m < 5.6e-3;
       return [`The key is ${mm(key_m)} down, and the hammer has risen by ${mm(hammer_rise_m)}: ${fixed(hammer_rise_m / Math.max(key_m, 1e-4), 1)} times as far.`, half];
     },

@@ -351,7 +351,8 @@ class Instrument:
         Parameters
         ----------
         norms : bool
-            Use the trade's norms for goals that are not given. Without any goal they are always used.
+            Use the trade's norms for goals that are not given. Without any goal and without norms, what is out of its
+            usual range is set to the norm, and all else stays as it is.
         follow : bool
             Also turn other screws to restore the distances that the goals disturb.
         rest : {"as-played", "as-drawn"}

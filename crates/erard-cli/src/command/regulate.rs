@@ -11,7 +11,7 @@ use erard::player::RestPose;
 use erard_workshop::distances::{DistanceError, Protocol};
 use erard_workshop::measure::range::{HARDLY_HEARD_M_PER_S, double_strike};
 use erard_workshop::regulate::{
-    Goal, RegulateError, Regulated, Specification, Status, disturbed, parse_value, regulate, regulate_following,
+    Goal, RegulateError, Regulated, Specification, Status, disturbed, needed, parse_value, regulate, regulate_following,
 };
 use erard_workshop::worklist::{is_usual_aftertouch, regulate_to_aftertouch};
 
@@ -32,6 +32,10 @@ use crate::warn;
 /// Text below the options.
 const AFTER: &str = include_str!("help/regulate.txt");
 
+/// Said where no goal was given and none is needed.
+const NOTHING_TO_TURN: &str =
+    "Every distance with a screw is in its usual range: nothing was turned. --norms turns all to the trade's norms.";
+
 /// Turns an instrument's screws until its action meets a specification.
 ///
 /// It works as on the bench: it measures by simulated trials, turns screws in the trade's order, and repeats the round
@@ -44,7 +48,7 @@ pub(crate) struct Regulate {
     instrument: InstrumentSpec,
     #[command(flatten)]
     goals: Goals,
-    /// Also ask for the trade's norms if a goal is not given
+    /// Ask for the trade's norms wherever no goal is given, also of what is in its usual range
     #[arg(long)]
     norms: bool,
     /// Turn other screws too, so that distances without a goal stay as they were
@@ -122,7 +126,7 @@ impl Goals {
 impl Regulate {
     /// Runs the command.
     pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
-        let specification = self.specification()?;
+        let given = self.specification()?;
         let (instrument, text) = load_instrument_and_text(session, &self.instrument)?;
         let (out, asked) = (self.out_file.as_deref(), self.instrument.to_string());
         let OwnFile { folder, name } =
@@ -142,17 +146,22 @@ impl Regulate {
         let found = RestPose::of(&instrument, self.rest.into(), &mut |_| true);
         let rest = found.map_err(|error| RegulateError::from(DistanceError::from(error)))?;
         let protocol = Protocol::default();
-        let work = if self.follow { regulate_following } else { regulate };
+        // Nothing asked for: what is out of its usual range, and all else stays as it is.
+        let (specification, follow) = match given {
+            Some(given) => (given, self.follow),
+            None => (needed(&rest, &protocol, &mut tell)?, true),
+        };
+        let work = if follow { regulate_following } else { regulate };
         let settled = self
             .priority
-            .map(|stays| regulate_to_aftertouch(&instrument, &specification, stays.into(), self.follow, &mut tell));
+            .map(|stays| regulate_to_aftertouch(&instrument, &specification, stays.into(), follow, &mut tell));
         let settled = settled.transpose()?;
         let regulated = match &settled {
             Some(settled) => settled.regulated.clone(),
             None => work(&rest, &specification, &protocol, &mut tell)?,
         };
         // Where a goal is missed, whether it is met when other screws follow.
-        let help = if regulated.all_met() || self.follow || settled.is_some() {
+        let help = if regulated.all_met() || follow || settled.is_some() {
             None
         } else {
             let followed = regulate_following(&rest, &specification, &protocol, &mut tell)?;
@@ -198,7 +207,11 @@ impl Regulate {
                 soft[0]
             );
         }
-        if !self.follow && regulated.all_met() {
+        if specification.is_empty() && regulated.turned.is_empty() {
+            print_line!(session, "{NOTHING_TO_TURN}");
+            print_line!(session);
+        }
+        if !follow && regulated.all_met() {
             for line in moved(&regulated, self.lengths) {
                 print_line!(session, "{line}");
             }
@@ -235,7 +248,8 @@ impl Regulate {
         }
     }
 
-    fn specification(&self) -> Result<Specification, Failure> {
+    /// The goals that were asked for; `None` without any.
+    fn specification(&self) -> Result<Option<Specification>, Failure> {
         let mut specification = Vec::new();
         for goal in Goal::ALL {
             if let (option, Some(text)) = self.goals.text(goal) {
@@ -244,11 +258,11 @@ impl Regulate {
                 specification.push((goal, target));
             }
         }
-        if specification.is_empty() || self.norms {
+        if self.norms {
             let given: Vec<Goal> = specification.iter().map(|(goal, _)| *goal).collect();
             specification.extend(Goal::norms().into_iter().filter(|(goal, _)| !given.contains(goal)));
         }
-        Ok(specification)
+        Ok(Some(specification).filter(|specification| !specification.is_empty()))
     }
 }
 

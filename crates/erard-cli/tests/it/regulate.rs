@@ -29,7 +29,7 @@ fn mis_set(folder: &Folder) -> String {
 fn a_mis_set_file_is_put_right() {
     let folder = folder("right");
     let wrong = mis_set(&folder);
-    let output = folder.erard(&["wrong.toml", "--out-file", "right.toml"]);
+    let output = folder.erard(&["wrong.toml", "--norms", "--out-file", "right.toml"]);
     assert_eq!(output.status.code(), Some(0));
     assert!(output.stderr.is_empty(), "no bar where nobody watches");
     let table = String::from_utf8(output.stdout).unwrap();
@@ -42,7 +42,7 @@ fn a_mis_set_file_is_put_right() {
         (d.blow_m, 46e-3),
         (d.let_off_m, 1.5e-3),
         (d.drop_m, 1.5e-3),
-        (d.check_m, 15e-3),
+        (d.check_m, 13.5e-3),
         (d.jack_position_m, 1.5e-3),
     ] {
         assert!((value.unwrap() - asked).abs() < 0.05e-3, "{asked}: {d:?}");
@@ -65,6 +65,43 @@ fn a_mis_set_file_is_put_right() {
     let screw = report["screws"].as_array().unwrap().iter().find(|s| s["screw"] == "front_punching").unwrap();
     assert_eq!((&screw["way"], &screw["from"]), (&"down".into(), &1.9.into()));
     assert!(table.contains("front_punching") && table.contains("(down)") && table.contains("simulations"), "{table}");
+}
+
+/// Without a goal, what is out of its usual range is set to the norm and nothing else: the built-in grand, of which every
+/// line is in its range, is left alone, and of a mis-set one no line that was in its range leaves it.
+#[test]
+#[ignore = "ci: two regulations"]
+fn what_is_in_its_range_is_left_alone() {
+    let folder = folder("alone");
+    let said = folder.good(&["concert-grand", "--out-file", "same.toml"]);
+    assert!(said.contains("nothing was turned"), "{said}");
+    let report: Value = serde_json::from_str(&folder.read("same.json")).unwrap();
+    assert_eq!((report["screws"].as_array().unwrap().len(), &report["all_met"]), (0, &true.into()));
+
+    mis_set(&folder);
+    folder.good(&["wrong.toml", "--out-file", "right.toml"]);
+    let report: Value = serde_json::from_str(&folder.read("right.json")).unwrap();
+    assert_eq!(report["all_met"], true, "{report}");
+    let lines = |when: &str| -> Vec<(String, Option<f64>)> {
+        let all = report[when].as_array().unwrap();
+        all.iter().map(|one| (one["name"].as_str().unwrap().to_owned(), one["value"].as_f64())).collect()
+    };
+    let (before, after) = (lines("before"), lines("after"));
+    let [mut mended, mut kept] = [0, 0];
+    for ((name, was), (_, is)) in before.iter().zip(&after) {
+        let key = format!("{}_mm", name.replace([' ', '-'], "_"));
+        let Some(line) = erard_workshop::measure::norms::lines().find(|line| line.key == key) else { continue };
+        let [Some(low), Some(high)] = line.range(40) else { continue };
+        let half = 0.5 * 10_f64.powi(-(line.decimals as i32));
+        let is_in = |value: Option<f64>| value.is_some_and(|value| value > low - half && value < high + half);
+        // Aftertouch and lost motion have no screw of their own.
+        if *name != "aftertouch" && *name != "lost motion" {
+            assert!(is_in(*is), "{name}: {was:?} to {is:?}");
+        }
+        mended += usize::from(!is_in(*was) && is_in(*is));
+        kept += usize::from(is_in(*was));
+    }
+    assert!(mended >= 2 && kept >= 2, "{mended} mended, {kept} kept: {before:?} {after:?}");
 }
 
 /// The norms alone leave too much aftertouch on the built-in grand, and the command says so. With a priority it comes

@@ -3,6 +3,8 @@
 use super::rounds::{Regulated, Status, regulate};
 use super::{Goal, RegulateError, Specification};
 use crate::distances::{Distances, Protocol};
+use crate::measure::norms::norms_key;
+use erard::instrument::Instrument;
 use erard::parameter::Quantity;
 use erard::player::AtRest;
 
@@ -13,16 +15,48 @@ const SEEN_OF_DIP: f64 = 0.03;
 /// Most regulations, each with newly disturbed goals added.
 const PASSES: u32 = 4;
 
-/// Returns the goals that were not given and that a regulation has disturbed, each with its earlier value to restore.
-/// Goals without a screw of their own in this instrument are left out, as is the repetition rise, whose screw is the
+/// Returns the trade's norms of the distances that are out of their usual ranges at the action's key, as the sheet flags
+/// them, and for which the instrument has a screw. What is in its range is no goal: nobody need turn it.
+///
+/// # Errors
+/// See [`regulate`].
+pub fn needed(
+    action: &dyn AtRest,
+    protocol: &Protocol,
+    progress: &mut dyn FnMut(&Status) -> bool,
+) -> Result<Specification, RegulateError> {
+    let found = regulate(action, &Specification::new(), protocol, progress)?.before;
+    let instrument = action.instrument();
+    let key = norms_key(instrument);
+    let is_needed = |goal: &Goal| has_screw(instrument, *goal) && is_out(*goal, &found, key);
+    Ok(Goal::ALL.into_iter().filter(is_needed).filter_map(|goal| Some((goal, goal.norm()?))).collect())
+}
+
+fn has_screw(instrument: &Instrument, goal: Goal) -> bool {
+    goal.screws().next().is_some_and(|(first, _)| instrument.screw(first.name).is_some())
+}
+
+/// Whether the sheet would flag a goal's distance at a key.
+fn is_out(goal: Goal, found: &Distances, key: usize) -> bool {
+    let value = goal.of(found).map(|value| if goal.quantity() == Quantity::Length { 1e3 * value } else { value });
+    goal.line().is_some_and(|line| line.is_out_at(value, key))
+}
+
+/// Returns the goals that were not given and that a regulation has disturbed, each with its earlier value to restore: it
+/// moved by more than one sees, or it left its usual range. Goals without a screw of their own in this instrument are left out, as is the repetition rise, whose screw is the
 /// check's.
 #[must_use]
 pub fn disturbed(regulated: &Regulated) -> Specification {
     let asked = |goal: Goal| regulated.achieved.iter().any(|achieved| achieved.goal == goal);
-    let has_screw =
-        |goal: Goal| goal.screws().next().is_some_and(|(first, _)| regulated.instrument.screw(first.name).is_some());
-    let moved = |goal: Goal| has_moved(goal, &regulated.before, &regulated.after);
-    let goals = Goal::ALL.into_iter().filter(|goal| *goal != Goal::RepetitionRise && !asked(*goal) && has_screw(*goal));
+    let instrument = &regulated.instrument;
+    let key = norms_key(instrument);
+    let moved = |goal: Goal| {
+        let left = is_out(goal, &regulated.after, key) && !is_out(goal, &regulated.before, key);
+        let earlier = goal.of(&regulated.before).filter(|_| left);
+        has_moved(goal, &regulated.before, &regulated.after).or(earlier)
+    };
+    let is_free = |goal: &Goal| *goal != Goal::RepetitionRise && !asked(*goal) && has_screw(instrument, *goal);
+    let goals = Goal::ALL.into_iter().filter(is_free);
     goals.filter_map(|goal| Some((goal, moved(goal)?))).collect()
 }
 

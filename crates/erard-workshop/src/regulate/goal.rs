@@ -3,6 +3,7 @@
 use erard::parameter::{Quantity, canonical_name};
 
 use crate::distances::{Distances, Trial};
+use crate::measure::norms::{Line, lines};
 
 use Quantity::{Length, Share, Speed};
 
@@ -59,7 +60,7 @@ const KNOWN: [Known; 10] = [
     known("dip", Length, Some(10e-3), [3e-3, 14e-3], |d| d.dip_m),
     known("let-off", Length, Some(1.5e-3), [0.1e-3, 20e-3], |d| d.let_off_m),
     known("drop", Length, Some(1.5e-3), [0.2e-3, 20e-3], |d| d.drop_m),
-    known("check", Length, Some(15e-3), [2e-3, 40e-3], |d| d.check_m),
+    known("check", Length, Some(13.5e-3), [2e-3, 40e-3], |d| d.check_m),
     known("repetition rise", Length, None, [0.5e-3, 40e-3], |d| d.repetition_rise_m),
     known("repetition spring", Speed, Some(0.25), [0.02, 2.0], |d| d.repetition_spring_m_per_s),
     known("damper start", Share, Some(0.5), [0.05, 0.95], |d| d.damper_start_share),
@@ -112,8 +113,8 @@ impl Goal {
 
     /// Default target in the trade, m, m/s, or share; `None` without a norm.
     ///
-    /// Dip 10 (published 9.5-11), blow 46 (44-49), let-off 1.5, drop 1.5, check 15 (12-15): Brekne 2009, Gillespie et
-    /// al. 2011. Jack position 1.5: the jack's rear edge flush with the rear of a knuckle core 3 mm thick. Lever height
+    /// Dip 10 (published 9.5-11), blow 46 (44-49), let-off 1.5, drop 1.5, check 13.5 (12-15): Brekne 2009,
+    /// Gillespie et al. 2011. Jack position 1.5: the jack's rear edge flush with the rear of a knuckle core 3 mm thick. Lever height
     /// 0.1: the jack just below the lever. Damper start 0.5: dampers rise from half stroke. Repetition spring 0.25 m/s:
     /// an estimate; technicians want a brisk rise without a kick and give no number. It is a compromise: with much less
     /// the shipped actions miss strokes at 8 Hz, above about 0.22 m/s a hammer let up slowly from the check reaches the
@@ -121,6 +122,17 @@ impl Goal {
     /// --repetition-spring 300mm/s`).
     pub(crate) fn norm(self) -> Option<f64> {
         self.known().norm
+    }
+
+    /// Line of the sheet with its usual range; `None` if the sheet has none.
+    pub(super) fn line(self) -> Option<&'static Line> {
+        let unit = match self.quantity() {
+            Quantity::Speed => "m_per_s",
+            Quantity::Share => "share",
+            _ => "mm",
+        };
+        let key = format!("{}_{unit}", self.name().replace([' ', '-'], "_"));
+        lines().find(|line| line.key == key)
     }
 
     /// The trade's complete specification.

@@ -13,7 +13,7 @@ mod search;
 mod value;
 mod workshop;
 
-pub use follow::{disturbed, regulate_following};
+pub use follow::{disturbed, needed, regulate_following};
 
 pub use goal::{Goal, Specification};
 pub use rounds::{Achieved, Miss, Regulated, Status, Turned, regulate};
