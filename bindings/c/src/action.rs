@@ -166,10 +166,10 @@ pub unsafe extern "C" fn erard_action_step_motion(
 
 /// Takes one step under a pointer of the caller's that is `position_m` below the key's rest and moves at
 /// `velocity_m_per_s`, down positive, behind a fingertip of the caller's own, `stiffness_n_per_m` (0 to 1e6) and
-/// `damping_n_s_per_m` (0 to 1e3), which only pushes. Its force is that of the key's last reading, held over the step, so
-/// that the instrument stays as its file has it: the fingertip of a mouse or a story may be softer than the file's. For
-/// a device with forces of its own erard_action_step_motion is better, whose coupling the step solves for. `reading` may
-/// be NULL. An error leaves the action as it was. Real time: yes.
+/// `damping_n_s_per_m` (0 to 1e3), which only pushes. Its force is that of the key's last reading, held over the step,
+/// so that the instrument stays as its file has it: the fingertip of a mouse or a story may be softer than the file's.
+/// For a device with forces of its own erard_action_step_motion is better, whose coupling the step solves for.
+/// `reading` may be NULL. An error leaves the action as it was. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_action_step_fingertip(
     action: *mut ErardAction,

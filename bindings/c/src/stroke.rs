@@ -159,8 +159,9 @@ pub unsafe extern "C" fn erard_stroke_duration(stroke: *const ErardStroke) -> f6
 }
 
 /// Plays a stroke on an instrument from rest in steps of `step_s` (s, as for erard_action_new) and returns the text of
-/// the run.csv that `erard press` writes with the same step: titles, then a row for each step. The stroke stays where it
-/// is. Returns NULL on failure; erard_last_error says what is wrong. Free the text with erard_text_free. Real time: no.
+/// the run.csv that `erard press` writes with the same step: titles, then a row for each step. The stroke stays where
+/// it is. Returns NULL on failure; erard_last_error says what is wrong. Free the text with erard_text_free. Real time:
+/// no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_stroke_run_csv(
     instrument: *const ErardInstrument,

@@ -210,9 +210,10 @@ fn not_measured(error: &MeasureError) -> Fault {
 /// Turns an instrument's screws until its action meets goals and returns JSON: the outcome of every goal, the screws
 /// that were turned, all distances before and after (the fields of the report that `erard regulate` writes), and
 /// "file", the text of the instrument file with its new settings. The instrument itself does not change. If `goals` is
-/// NULL, what is out of its usual range is set to the trade's norm, and all else stays as it is. Otherwise it is a JSON object of goals by name, with values in mm
-/// (`repetition spring` in mm/s, `damper start` in %) or texts with units: {"let-off": 1.5, "blow": "1.8in"}.
-/// `progress` may be NULL. Takes seconds. Returns NULL on failure. Free the text with erard_text_free.
+/// NULL, what is out of its usual range is set to the trade's norm, and all else stays as it is. Otherwise it is a JSON
+/// object of goals by name, with values in mm (`repetition spring` in mm/s, `damper start` in %) or texts with units:
+/// {"let-off": 1.5, "blow": "1.8in"}. `progress` may be NULL. Takes seconds. Returns NULL on failure. Free the text
+/// with erard_text_free.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_instrument_regulate(
     instrument: *const ErardInstrument,

@@ -99,8 +99,9 @@ export class Played {
     this.library.done(this.library.raw.erard_event_detector_observe(this.detector, this.action));
   }
 
-  /** A stroke begins, from rest, as `erard press` plays it: what still moved is at rest, and the clock at 0. The hand of a level is the one that reaches it on `reference`, so that two actions that are
-   * compared are played by one hand. @returns what was done to a recording to make it ready, a line each. */
+  /** A stroke begins, from rest, as `erard press` plays it: what still moved is at rest, and the clock at 0. The hand
+   * of a level is the one that reaches it on `reference`, so that two actions that are compared are played by one hand.
+   * @returns what was done to a recording to make it ready, a line each. */
   beginStroke(stroke: Stroke, reference: Played): string[] {
     const { raw } = this.library;
     this.endStroke();

@@ -58,7 +58,8 @@ export interface Impact {
   hammer_speed_m_per_s: number;
 }
 
-/** What presses the key: a fingertip somewhere (null: lifted), so firm, the key front's own motion where it is imposed, or
+/** What presses the key: a fingertip somewhere (null: lifted), so firm, the key front's own motion where it is imposed,
+ * or
  * a force that grows and fades within milliseconds. The instrument's own fingertip belongs to strokes. */
 export type Touch = { kind: "finger"; position_m: number | null; firmness_n_m: number; imposed?: boolean } | { kind: "force"; force_n: number };
 

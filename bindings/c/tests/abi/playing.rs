@@ -388,8 +388,8 @@ fn recordings_are_made_ready() {
     assert_eq!(status, ErardStatus::Null);
 }
 
-/// A fingertip of the caller's own gives what an instrument with that fingertip gives, but for its force, which is of the
-/// step's beginning: the difference halves with the step. It only pushes, and leaves the instrument as it was.
+/// A fingertip of the caller's own gives what an instrument with that fingertip gives, but for its force, which is of
+/// the step's beginning: the difference halves with the step. It only pushes, and leaves the instrument as it was.
 #[test]
 fn a_fingertip_of_the_callers_own() {
     let (own, softened) = (Owned::grand(), Owned::grand());

@@ -67,8 +67,8 @@ fn a_mis_set_file_is_put_right() {
     assert!(table.contains("front_punching") && table.contains("(down)") && table.contains("simulations"), "{table}");
 }
 
-/// Without a goal, what is out of its usual range is set to the norm and nothing else: the built-in grand, of which every
-/// line is in its range, is left alone, and of a mis-set one no line that was in its range leaves it.
+/// Without a goal, what is out of its usual range is set to the norm and nothing else: the built-in grand, of which
+/// every line is in its range, is left alone, and of a mis-set one no line that was in its range leaves it.
 #[test]
 #[ignore = "ci: two regulations"]
 fn what_is_in_its_range_is_left_alone() {

@@ -15,8 +15,8 @@ const SEEN_OF_DIP: f64 = 0.03;
 /// Most regulations, each with newly disturbed goals added.
 const PASSES: u32 = 4;
 
-/// Returns the trade's norms of the distances that are out of their usual ranges at the action's key, as the sheet flags
-/// them, and for which the instrument has a screw. What is in its range is no goal: nobody need turn it.
+/// Returns the trade's norms of the distances that are out of their usual ranges at the action's key, as the sheet
+/// flags them, and for which the instrument has a screw. What is in its range is no goal: nobody need turn it.
 ///
 /// # Errors
 /// See [`regulate`].
@@ -42,9 +42,9 @@ fn is_out(goal: Goal, found: &Distances, key: usize) -> bool {
     goal.line().is_some_and(|line| line.is_out_at(value, key))
 }
 
-/// Returns the goals that were not given and that a regulation has disturbed, each with its earlier value to restore: it
-/// moved by more than one sees, or it left its usual range. Goals without a screw of their own in this instrument are left out, as is the repetition rise, whose screw is the
-/// check's.
+/// Returns the goals that were not given and that a regulation has disturbed, each with its earlier value to restore:
+/// it moved by more than one sees, or it left its usual range. Goals without a screw of their own in this instrument
+/// are left out, as is the repetition rise, whose screw is the check's.
 #[must_use]
 pub fn disturbed(regulated: &Regulated) -> Specification {
     let asked = |goal: Goal| regulated.achieved.iter().any(|achieved| achieved.goal == goal);

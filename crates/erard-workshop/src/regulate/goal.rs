@@ -113,8 +113,8 @@ impl Goal {
 
     /// Default target in the trade, m, m/s, or share; `None` without a norm.
     ///
-    /// Dip 10 (published 9.5-11), blow 46 (44-49), let-off 1.5, drop 1.5, check 13.5 (12-15): Brekne 2009,
-    /// Gillespie et al. 2011. Jack position 1.5: the jack's rear edge flush with the rear of a knuckle core 3 mm thick. Lever height
+    /// Dip 10 (published 9.5-11), blow 46 (44-49), let-off 1.5, drop 1.5, check 13.5 (12-15): Brekne 2009, Gillespie et
+    /// al. 2011. Jack position 1.5: the jack's rear edge flush with the rear of a knuckle core 3 mm thick. Lever height
     /// 0.1: the jack just below the lever. Damper start 0.5: dampers rise from half stroke. Repetition spring 0.25 m/s:
     /// an estimate; technicians want a brisk rise without a kick and give no number. It is a compromise: with much less
     /// the shipped actions miss strokes at 8 Hz, above about 0.22 m/s a hammer let up slowly from the check reaches the

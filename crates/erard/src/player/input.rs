@@ -77,8 +77,8 @@ pub struct Fingertip {
 }
 
 impl Fingertip {
-    /// Returns its force on the key front, N, not negative: `position_m` and `velocity_m_per_s` are the pointer's, as in
-    /// [`Input::Motion`]; `key_m` and `key_m_per_s` the key's, as in a [`Reading`](super::Reading).
+    /// Returns its force on the key front, N, not negative: `position_m` and `velocity_m_per_s` are the pointer's, as
+    /// in [`Input::Motion`]; `key_m` and `key_m_per_s` the key's, as in a [`Reading`](super::Reading).
     #[must_use]
     pub fn force_n(&self, [position_m, velocity_m_per_s]: [f64; 2], [key_m, key_m_per_s]: [f64; 2]) -> f64 {
         let depth_m = position_m - key_m;
