@@ -495,10 +495,10 @@ ErardStatus erard_action_step_motion(struct ErardAction *action,
 /**
  * Takes one step under a pointer of the caller's that is `position_m` below the key's rest and moves at
  * `velocity_m_per_s`, down positive, behind a fingertip of the caller's own, `stiffness_n_per_m` (0 to 1e6) and
- * `damping_n_s_per_m` (0 to 1e3), which only pushes. Its force is that of the key's last reading, held over the step, so
- * that the instrument stays as its file has it: the fingertip of a mouse or a story may be softer than the file's. For
- * a device with forces of its own erard_action_step_motion is better, whose coupling the step solves for. `reading` may
- * be NULL. An error leaves the action as it was. Real time: yes.
+ * `damping_n_s_per_m` (0 to 1e3), which only pushes. Its force is that of the key's last reading, held over the step,
+ * so that the instrument stays as its file has it: the fingertip of a mouse or a story may be softer than the file's.
+ * For a device with forces of its own erard_action_step_motion is better, whose coupling the step solves for.
+ * `reading` may be NULL. An error leaves the action as it was. Real time: yes.
  */
 ErardStatus erard_action_step_fingertip(struct ErardAction *action,
                                         double position_m,
@@ -896,9 +896,10 @@ char *erard_instrument_measure(const struct ErardInstrument *instrument,
  * Turns an instrument's screws until its action meets goals and returns JSON: the outcome of every goal, the screws
  * that were turned, all distances before and after (the fields of the report that `erard regulate` writes), and
  * "file", the text of the instrument file with its new settings. The instrument itself does not change. If `goals` is
- * NULL, the goals are the trade's norms. Otherwise it is a JSON object of goals by name, with values in mm
- * (`repetition spring` in mm/s, `damper start` in %) or texts with units: {"let-off": 1.5, "blow": "1.8in"}.
- * `progress` may be NULL. Takes seconds. Returns NULL on failure. Free the text with erard_text_free.
+ * NULL, what is out of its usual range is set to the trade's norm, and all else stays as it is. Otherwise it is a JSON
+ * object of goals by name, with values in mm (`repetition spring` in mm/s, `damper start` in %) or texts with units:
+ * {"let-off": 1.5, "blow": "1.8in"}. `progress` may be NULL. Takes seconds. Returns NULL on failure. Free the text
+ * with erard_text_free.
  */
 char *erard_instrument_regulate(const struct ErardInstrument *instrument,
                                 const char *goals,
@@ -1081,8 +1082,9 @@ double erard_stroke_duration(const struct ErardStroke *stroke);
 
 /**
  * Plays a stroke on an instrument from rest in steps of `step_s` (s, as for erard_action_new) and returns the text of
- * the run.csv that `erard press` writes with the same step: titles, then a row for each step. The stroke stays where it
- * is. Returns NULL on failure; erard_last_error says what is wrong. Free the text with erard_text_free. Real time: no.
+ * the run.csv that `erard press` writes with the same step: titles, then a row for each step. The stroke stays where
+ * it is. Returns NULL on failure; erard_last_error says what is wrong. Free the text with erard_text_free. Real time:
+ * no.
  */
 char *erard_stroke_run_csv(const struct ErardInstrument *instrument,
                            const struct ErardStroke *stroke,

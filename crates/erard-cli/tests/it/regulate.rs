@@ -189,7 +189,7 @@ fn wrong_arguments_write_nothing() {
     }
     assert_eq!(folder.read("old.toml"), grand);
     folder.file("nodrop.toml", &grand.replace("name = \"drop\"", "name = \"stop\""));
-    let message = folder.bad(&["nodrop.toml"]);
+    let message = folder.bad(&["nodrop.toml", "--norms"]);
     assert!(message.contains("no screw for drop: it needs one called `drop`"), "{message}");
     let message = folder.bad(&["--norms", "--keep"]);
     assert!(message.contains("--keep"), "{message}");
