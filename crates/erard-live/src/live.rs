@@ -10,11 +10,12 @@ use erard_midi::{Law, ReleaseLaw, Velocity, message};
 use erard_workshop::cores;
 
 use crate::clock::{APART_S, Clock, Taken};
+use crate::contacts::{ContactKey, ContactLaw};
 use crate::drive::SensorKind;
 use crate::error::LiveError;
 use crate::key::{Key, KeyEvent};
 use crate::limits::Limits;
-use crate::profile::{Converter, Profile};
+use crate::profile::{Converter, Profile, Sensed};
 use crate::quality::{Seen, expected_error_counts};
 use crate::report::{Leads, Report};
 use crate::stream::{Of, Sample, SensorUnit};
@@ -84,6 +85,8 @@ pub struct Live {
     /// From the lowest; `None` for a key that the stream does not move.
     keys: Vec<Option<Key>>,
     converters: Vec<Option<Converter<f64, Vec<[f64; 2]>>>>,
+    /// Contacts of all keys, from the lowest.
+    contacts: Option<(ContactLaw, Vec<ContactKey>)>,
     /// Ratio of each key: travel of its front per travel of the sensed place.
     front_per_sensed: Vec<f64>,
     pedals: [(u8, erard_midi::Pedal); 3],
@@ -116,6 +119,12 @@ impl Live {
         if instruments.is_empty() || instruments.len() > KEYS {
             return Err(LiveError::Count { found: instruments.len() });
         }
+        let contacts = profile.and_then(|profile| match &profile.sensed {
+            Sensed::Contacts(law) => Some((**law, vec![ContactKey::new(); instruments.len()])),
+            Sensed::Keys => None,
+        });
+        // The table of contacts was made of an action before.
+        let instruments = if contacts.is_some() { &[] } else { instruments };
         let silent: Vec<Instrument> = instruments.iter().map(|one| one.with_rigid_string().with_held_key()).collect();
         let moved: Vec<usize> =
             (1..=silent.len()).filter(|key| options.moved.as_ref().is_none_or(|moved| moved.contains(key))).collect();
@@ -141,7 +150,8 @@ impl Live {
             pedals: [pedal(message::SUSTAIN), pedal(message::SOSTENUTO), pedal(message::SOFT)],
             options,
             begins_s: None,
-            clock: Clock::default(),
+            clock: Clock::new(contacts.is_some()),
+            contacts,
             shift_s: 0.0,
             now_s: 0.0,
             extremes: [f64::INFINITY, f64::NEG_INFINITY],
@@ -167,6 +177,12 @@ impl Live {
     #[must_use]
     pub fn are_up(&self) -> bool {
         self.keys.iter().flatten().all(Key::is_up)
+    }
+
+    /// Whether the sender is silent while nothing happens, so that its silence is no fault.
+    #[must_use]
+    pub fn is_sparse(&self) -> bool {
+        self.contacts.is_some()
     }
 
     /// Takes a sample and returns the resulting events. A stamp more than a second from its neighbours is dropped.
@@ -213,6 +229,7 @@ impl Live {
             return;
         }
         self.now_s = self.now_s.max(time_s);
+        self.after_bounces(give);
         match sample.of {
             Of::Pedal(controller) => {
                 self.report.samples += 1;
@@ -222,6 +239,32 @@ impl Live {
                 }
             }
             Of::Key(number) => self.take_key(number, time_s, sample.value, give),
+            Of::Contact(number, contact) => self.take_edge(number, contact, time_s, sample.value > 0.0, give),
+        }
+    }
+
+    /// Takes the edge of a key's contact, from 0.
+    fn take_edge(&mut self, number: usize, contact: usize, time_s: f64, is_made: bool, give: &mut dyn FnMut(Event)) {
+        let Live { contacts, leads, report, begins_s, .. } = self;
+        let own = contacts.as_mut().filter(|(law, _)| contact < law.count);
+        let Some((law, key)) = own.and_then(|(law, keys)| Some((law, keys.get_mut(number - 1)?))) else {
+            report.uncalibrated += 1;
+            return;
+        };
+        report.samples += 1;
+        let begins_s = begins_s.unwrap_or(0.0);
+        let mut tell = teller(number, begins_s, begins_s + time_s, leads, report, give);
+        key.take(law, (contact, time_s, is_made), &mut |event| tell(KeyEvent::of(event)));
+    }
+
+    /// Contacts that stayed changed after their bounces.
+    fn after_bounces(&mut self, give: &mut dyn FnMut(Event)) {
+        let Live { contacts, leads, report, begins_s, now_s, .. } = self;
+        let (begins_s, now_s) = (begins_s.unwrap_or(0.0), *now_s);
+        let Some((law, keys)) = contacts else { return };
+        for (index, key) in keys.iter_mut().enumerate() {
+            let mut tell = teller(index + 1, begins_s, begins_s + now_s, leads, report, give);
+            key.until(law, now_s, &mut |event| tell(KeyEvent::of(event)));
         }
     }
 
@@ -248,7 +291,7 @@ impl Live {
     fn sensed(&mut self, number: usize, time_s: f64, value: f64) -> Option<f64> {
         let key = self.keys.get(number - 1)?.as_ref()?;
         let travel_m = match self.options.quantity {
-            SensorUnit::Newtons => return Some(value),
+            SensorUnit::Newtons | SensorUnit::Contacts => return Some(value),
             SensorUnit::Millimetres => 1e-3 * value,
             SensorUnit::Raw | SensorUnit::Pressure => self.converters[number - 1].as_mut()?.travel_m(time_s, value),
         };
@@ -276,8 +319,12 @@ impl Live {
 
     /// Releases all keys, whose notes end.
     fn end_notes(&mut self, give: &mut dyn FnMut(Event)) {
-        let Live { keys, leads, report, begins_s, now_s, .. } = self;
+        let Live { keys, contacts, leads, report, begins_s, now_s, .. } = self;
         let begins_s = begins_s.unwrap_or(0.0);
+        for (index, key) in contacts.iter_mut().flat_map(|(_, keys)| keys.iter_mut().enumerate()) {
+            let mut tell = teller(index + 1, begins_s, begins_s + *now_s, leads, report, give);
+            key.let_go(*now_s, &mut |event| tell(KeyEvent::of(event)));
+        }
         for (index, key) in keys.iter_mut().enumerate() {
             let Some(key) = key else { continue };
             key.let_go(*now_s, &mut teller(index + 1, begins_s, begins_s + *now_s, leads, report, give));
@@ -293,6 +340,9 @@ impl Live {
     /// Why there is no note, where there is none; `dip_m` is a key's dip, m.
     fn silence(&self, dip_m: f64) -> Option<String> {
         let [low, high] = self.extremes;
+        if self.report.note_ons == 0 && self.report.samples > 0 && self.contacts.is_some() {
+            return Some(self.silent_contacts());
+        }
         if self.report.note_ons > 0 || self.report.samples == 0 || low > high {
             return None;
         }
@@ -322,6 +372,21 @@ impl Live {
         })
     }
 
+    /// Why contacts gave no note.
+    fn silent_contacts(&self) -> String {
+        let counts = || self.contacts.iter().flat_map(|(_, keys)| keys).map(|key| key.counts);
+        let sum = |of: fn(&crate::contacts::ContactCounts) -> u64| counts().map(|one| of(&one)).sum::<u64>();
+        if sum(|one| one.swapped) > 0 {
+            "lower contacts close before upper ones: is contact 1 the one that closes first?".into()
+        } else if sum(|one| one.untimed) > 0 {
+            "the lowest contact closes, and none above it: are contacts missing, or numbered from below?".into()
+        } else if sum(|one| one.slow) > 0 {
+            "no key comes to its lowest contact fast enough to throw a hammer to its string".into()
+        } else {
+            "no key comes to its lowest contact; has the device as many contacts as its profile?".into()
+        }
+    }
+
     /// Counts of the stream so far.
     #[must_use]
     pub fn report(&self) -> Report {
@@ -330,6 +395,9 @@ impl Live {
         let sum = |of: &dyn Fn(&crate::sensed::Counts) -> u64| counts().map(|c| of(&c)).sum::<u64>();
         let which = |is: &dyn Fn(&crate::sensed::Counts) -> bool| -> Vec<usize> {
             keys().filter(|(_, key)| is(&key.counts())).map(|(number, _)| number).collect()
+        };
+        let contacts = |of: &dyn Fn(&crate::contacts::ContactCounts) -> u64| {
+            self.contacts.iter().flat_map(|(_, keys)| keys).map(|key| of(&key.counts)).sum::<u64>()
         };
         let converters = || self.converters.iter().flatten();
         let dip_m = keys().next().map_or(0.0, |(_, key)| key.limits().dip_m);
@@ -340,6 +408,10 @@ impl Live {
             dropped_stamps: self.clock.dropped,
             steps: keys().map(|(_, key)| key.steps).sum(),
             silence: self.silence(dip_m),
+            bounces: contacts(&|c| c.bounces),
+            untimed_strokes: contacts(&|c| c.untimed),
+            slow_strokes: contacts(&|c| c.slow),
+            swapped_contacts: contacts(&|c| c.swapped),
             limited_strokes: sum(&|c| u64::from(c.fast_strokes)),
             limited_steps: sum(&|c| c.fast_steps),
             deep_samples: sum(&|c| c.deep_samples),

@@ -7,6 +7,7 @@ use erard::instrument::from_toml::from_toml;
 use erard::keyboard::KEYS;
 use serde::Deserialize;
 
+use crate::contacts::{ContactFault, ContactLaw, MAX_CONTACTS, Point, SpeedTable};
 pub use crate::converter::{Converter, Stops};
 use crate::sensor::Law;
 
@@ -16,6 +17,8 @@ pub const FORMAT: &str = "erard-sensors/1";
 /// The profile of a device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
+    /// What its sensors sense.
+    pub sensed: Sensed,
     /// The sensors' law.
     pub law: Law,
     /// The sensed travel between the stops, m.
@@ -24,6 +27,15 @@ pub struct Profile {
     pub pressure_is_depth: bool,
     /// The stops of keys, by number from 1.
     pub keys: BTreeMap<usize, Stops>,
+}
+
+/// Kind of a device's sensors.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sensed {
+    /// The whole travel of each key.
+    Keys,
+    /// Two or three contacts under each key. Law, travel and stops are not used.
+    Contacts(Box<ContactLaw>),
 }
 
 /// Fault of a profile.
@@ -54,12 +66,32 @@ pub enum ProfileFault {
 #[serde(deny_unknown_fields)]
 struct File {
     format: String,
-    travel_mm: f64,
+    travel_mm: Option<f64>,
     #[serde(default)]
     polyphonic_pressure_is_depth: bool,
-    law: Law,
+    law: Option<Law>,
+    contacts: Option<ContactsEntry>,
     #[serde(default)]
     key: Vec<KeyEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ContactsEntry {
+    depths_mm: Vec<f64>,
+    scan_period_us: f64,
+    #[serde(default)]
+    scan_phases_us: Vec<f64>,
+    bounce_ms: f64,
+    off: usize,
+    table: Vec<TableEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TableEntry {
+    from: usize,
+    points: Vec<Vec<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -82,10 +114,20 @@ impl Profile {
         if file.format != FORMAT {
             return Err(wrong("format", format!("\"{}\"", file.format), "\"erard-sensors/1\""));
         }
-        if !(0.5..=100.0).contains(&file.travel_mm) {
-            return Err(wrong("travel_mm", file.travel_mm.to_string(), "a number from 0.5 to 100"));
+        if let Some(contacts) = file.contacts {
+            if file.travel_mm.is_some() || file.law.is_some() || !file.key.is_empty() {
+                let what = "contacts alone, without `travel_mm`, `law` and `key`";
+                return Err(wrong("contacts", "beside a travel, a law or keys".into(), what));
+            }
+            return Ok(Profile::of_contacts(contacts.law()?));
         }
-        file.law.check().map_err(|fault| wrong("law", fault.to_string(), "a sound law"))?;
+        let missing = || "missing".to_owned();
+        let law = file.law.ok_or_else(|| wrong("law", missing(), "a [law], or [contacts]"))?;
+        let travel_mm = file.travel_mm.ok_or_else(|| wrong("travel_mm", missing(), "a number from 0.5 to 100"))?;
+        if !(0.5..=100.0).contains(&travel_mm) {
+            return Err(wrong("travel_mm", travel_mm.to_string(), "a number from 0.5 to 100"));
+        }
+        law.check().map_err(|fault| wrong("law", fault.to_string(), "a sound law"))?;
         let mut keys = BTreeMap::new();
         for KeyEntry { number, rest, pressed } in file.key {
             if !(1..=KEYS).contains(&number) || keys.contains_key(&number) {
@@ -100,8 +142,15 @@ impl Profile {
         if keys.is_empty() {
             return Err(wrong("key", "missing".into(), "at least one [[key]]"));
         }
-        let travel_m = 1e-3 * file.travel_mm;
-        Ok(Profile { law: file.law, travel_m, pressure_is_depth: file.polyphonic_pressure_is_depth, keys })
+        let (travel_m, pressure_is_depth) = (1e-3 * travel_mm, file.polyphonic_pressure_is_depth);
+        Ok(Profile { sensed: Sensed::Keys, law, travel_m, pressure_is_depth, keys })
+    }
+
+    /// The profile of a device with contacts.
+    #[must_use]
+    pub fn of_contacts(law: ContactLaw) -> Self {
+        let sensed = Sensed::Contacts(Box::new(law));
+        Profile { sensed, law: Law::Linear {}, travel_m: 0.0, pressure_is_depth: false, keys: BTreeMap::new() }
     }
 
     /// Its text.
@@ -109,6 +158,10 @@ impl Profile {
     pub fn text(&self) -> String {
         let mut out = format!("format = \"{FORMAT}\"\n");
         let mm = |m: f64| (1e9 * m).round() / 1e6;
+        if let Sensed::Contacts(law) = &self.sensed {
+            out.push_str(&contacts_text(law));
+            return out;
+        }
         // Nothing that is written to a string fails.
         let _ = writeln!(out, "# The sensed place's way between the key's two stops.");
         let _ = writeln!(out, "travel_mm = {}", mm(self.travel_m));
@@ -137,4 +190,108 @@ impl Profile {
         let stops = *self.keys.get(&key)?;
         Some(Converter::new(self.law.clone(), stops, self.travel_m))
     }
+}
+
+impl ContactsEntry {
+    /// The contacts' law.
+    fn law(self) -> Result<ContactLaw, ProfileFault> {
+        let wrong = |key: &str, found: String, expected| ProfileFault::Value { key: key.to_owned(), found, expected };
+        let count = self.depths_mm.len();
+        if !(2..=MAX_CONTACTS).contains(&count) {
+            return Err(wrong("contacts.depths_mm", format!("{count} depths"), "two or three, the upper one first"));
+        }
+        let phases = self.scan_phases_us.len();
+        if phases != 0 && phases != count {
+            return Err(wrong("contacts.scan_phases_us", format!("{phases} phases"), "one for each contact"));
+        }
+        let padded = |all: &[f64], unit: f64| {
+            let mut padded = [0.0; MAX_CONTACTS];
+            padded.iter_mut().zip(all).for_each(|(one, given)| *one = unit * given);
+            padded
+        };
+        let mut tables: [Option<SpeedTable>; MAX_CONTACTS - 1] = [None; MAX_CONTACTS - 1];
+        for TableEntry { from, points } in &self.table {
+            let is_upper = (1..count).contains(from);
+            let Some(table) = from.checked_sub(1).and_then(|upper| tables.get_mut(upper)).filter(|_| is_upper) else {
+                return Err(wrong("contacts.table.from", from.to_string(), "a contact above the lowest one, from 1"));
+            };
+            let points: Vec<Point> = points.iter().map(|numbers| point(numbers)).collect::<Option<_>>().ok_or_else(
+                || {
+                    let expected = "[between_ms, hammer_speed_m_per_s], then from the contact to the impact, ms, and the \
+                                    touch's error, counts, where they are known";
+                    wrong("contacts.table.points", format!("{points:?}"), expected)
+                },
+            )?;
+            let made = SpeedTable::new(&points);
+            *table = Some(made.map_err(|fault| wrong("contacts.table.points", fault.to_string(), "a sound table"))?);
+        }
+        let given: Vec<SpeedTable> = tables[..count - 1].iter().flatten().copied().collect();
+        let (Some(first), true) = (given.first(), given.len() == count - 1) else {
+            let expected = "one for each contact above the lowest one";
+            return Err(wrong("contacts.table", format!("{} tables", given.len()), expected));
+        };
+        let law = ContactLaw {
+            depths_m: padded(&self.depths_mm, 1e-3),
+            count,
+            tables: std::array::from_fn(|upper| *given.get(upper).unwrap_or(first)),
+            period_s: 1e-6 * self.scan_period_us,
+            phases_s: padded(&self.scan_phases_us, 1e-6),
+            bounce_s: 1e-3 * self.bounce_ms,
+            off: self.off.wrapping_sub(1),
+        };
+        law.check().map_err(|fault| {
+            let key = match fault {
+                ContactFault::Depth(_) => "contacts.depths_mm",
+                ContactFault::Off(_) => "contacts.off",
+                _ => "contacts",
+            };
+            wrong(key, fault.to_string(), "sound contacts")
+        })?;
+        Ok(law)
+    }
+}
+
+/// A point of a table: time between the contacts, ms, hammer speed, m/s, and, where they are known, the time from the
+/// lowest contact to the impact, ms, and the error of touch, counts.
+fn point(numbers: &[f64]) -> Option<Point> {
+    let of = |i: usize| numbers.get(i).copied();
+    let is_sound = (2..=4).contains(&numbers.len()) && numbers.iter().all(|number| number.is_finite());
+    Some(Point {
+        between_s: 1e-3 * of(0).filter(|_| is_sound)?,
+        hammer_speed_m_per_s: of(1)?,
+        delay_s: 1e-3 * of(2).unwrap_or(0.0),
+        touch_counts: of(3).unwrap_or(0.0),
+    })
+}
+
+fn contacts_text(law: &ContactLaw) -> String {
+    let rounded = |number: f64, unit: f64| (1e4 * number / unit).round() / 1e4;
+    let list = |all: &[f64], unit: f64| all[..law.count].iter().map(|one| rounded(*one, unit)).collect::<Vec<_>>();
+    let mut out = format!("\n[contacts]\n# Depths of the key's front at which they close, the upper one first.\n");
+    // Nothing that is written to a string fails.
+    let _ = writeln!(out, "depths_mm = {:?}", list(&law.depths_m, 1e-3));
+    let _ = writeln!(out, "# Period of the scan, and how long after its time stamp each contact is read.");
+    let _ = writeln!(out, "scan_period_us = {:?}", rounded(law.period_s, 1e-6));
+    let _ = writeln!(out, "scan_phases_us = {:?}", list(&law.phases_s, 1e-6));
+    let _ = writeln!(out, "# Changes within this time after an edge are bounces.");
+    let _ = writeln!(out, "bounce_ms = {:?}", rounded(law.bounce_s, 1e-3));
+    let _ = writeln!(out, "# A note ends as this contact opens.\noff = {}", law.off + 1);
+    for (upper, table) in law.tables().iter().enumerate() {
+        let points: Vec<[f64; 4]> = table
+            .points()
+            .iter()
+            .map(|point| {
+                let Point { between_s, hammer_speed_m_per_s, delay_s, touch_counts } = *point;
+                let [between_ms, delay_ms] = [between_s, delay_s].map(|s| rounded(s, 1e-3));
+                [between_ms, rounded(hammer_speed_m_per_s, 1.0), delay_ms, rounded(touch_counts, 1.0)]
+            })
+            .collect();
+        let _ =
+            writeln!(out, "\n# From a contact to the lowest one, a point each: time between them, ms; hammer speed,");
+        let _ =
+            writeln!(out, "# m/s; from the lowest contact to the impact, ms; error of touch, counts of velocity. A");
+        let _ = writeln!(out, "# maker's own table replaces this line: [[ms, m/s], [ms, m/s], ...]");
+        let _ = writeln!(out, "[[contacts.table]]\nfrom = {}\npoints = {points:?}", upper + 1);
+    }
+    out
 }

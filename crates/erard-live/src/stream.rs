@@ -6,6 +6,14 @@
 //! 1203340,sustain,0.75
 //! ```
 //!
+//! Contacts send their edges: the contact, from 1 for the upper one, and whether it has closed.
+//!
+//! ```text
+//! time_us,key,contact,state
+//! 1203340,40,1,made
+//! 1209341,40,2,made
+//! ```
+//!
 //! The header names the clock (`time_s`, or `time_us` of 32 bits that wraps around) and the sensed quantity: `mm` of
 //! the sensed place, `N` at the key's front, `raw` readings of a converter, or `pressure`, the polyphonic pressure 0 to
 //! 127 of a device that uses it for depth. A key is a number from 1 (the lowest A) to 88, or a note (`A0`); `sustain`,
@@ -30,6 +38,8 @@ pub enum SensorUnit {
     Raw,
     /// Polyphonic pressure of MIDI, 0 to 127.
     Pressure,
+    /// Edges of contacts.
+    Contacts,
 }
 
 /// A stream's header.
@@ -56,6 +66,8 @@ pub struct Sample {
 pub enum Of {
     /// A key's, from 1.
     Key(usize),
+    /// A key's, from 1, and one of its contacts, from 0 for the upper one; the value is 1 as it closes, 0 as it opens.
+    Contact(usize, usize),
     /// A pedal's, by its controller.
     Pedal(u8),
 }
@@ -78,6 +90,22 @@ pub enum Fault {
         /// The text found.
         found: String,
     },
+    /// The line is not an edge of a contact.
+    #[error("found `{found}`; expected four fields: time, key, contact, `made` or `open`")]
+    EdgeFields {
+        /// The line, cut off.
+        found: String,
+    },
+    /// There is no such contact, or no such state of one.
+    #[error("{field} is `{found}`; expected {expected}")]
+    Edge {
+        /// The field: contact or state.
+        field: &'static str,
+        /// The text found.
+        found: String,
+        /// The texts expected.
+        expected: &'static str,
+    },
     /// There is no such key.
     #[error("key is `{found}`; expected 1 to 88, a note from A0 to C8, `sustain`, `sostenuto` or `soft`")]
     Key {
@@ -87,7 +115,7 @@ pub enum Fault {
     /// The header is invalid.
     #[error(
         "the first line is `{found}`; expected a header such as `time_s,key,mm`: `time_s` or `time_us`, `key`, and `mm`, \
-         `N`, `raw` or `pressure`"
+         `N`, `raw` or `pressure`; or `time_us,key,contact,state`"
     )]
     Head {
         /// The line, cut off.
@@ -108,17 +136,18 @@ impl Head {
     pub fn parse(line: &str) -> Result<Self, Fault> {
         let wrong = || Fault::Head { found: cut(line) };
         let fields: Vec<&str> = line.trim().trim_start_matches('\u{feff}').split(',').map(str::trim).collect();
-        let [clock, "key", quantity] = fields[..] else { return Err(wrong()) };
+        let [clock, "key", ref quantity @ ..] = fields[..] else { return Err(wrong()) };
         let in_microseconds = match clock {
             "time_s" => false,
             "time_us" => true,
             _ => return Err(wrong()),
         };
         let quantity = match quantity {
-            "mm" => SensorUnit::Millimetres,
-            "N" => SensorUnit::Newtons,
-            "raw" => SensorUnit::Raw,
-            "pressure" => SensorUnit::Pressure,
+            ["mm"] => SensorUnit::Millimetres,
+            ["N"] => SensorUnit::Newtons,
+            ["raw"] => SensorUnit::Raw,
+            ["pressure"] => SensorUnit::Pressure,
+            ["contact", "state"] => SensorUnit::Contacts,
             _ => return Err(wrong()),
         };
         Ok(Head { in_microseconds, quantity })
@@ -166,21 +195,38 @@ impl Reader {
             *self = Reader { has_restarted: true, ..Reader::new(head) };
             return Ok(None);
         }
-        let mut fields = line.split(',').map(str::trim);
-        let (Some(time), Some(of), Some(value), None) = (fields.next(), fields.next(), fields.next(), fields.next())
-        else {
-            return Err(Fault::Fields { found: cut(line) });
-        };
+        let fields: Vec<&str> = line.splitn(5, ',').map(str::trim).collect();
+        let is_contacts = self.head.quantity == SensorUnit::Contacts;
         let number = |field: &'static str, text: &str| {
             let found = text.parse().ok().filter(|number: &f64| number.is_finite());
             found.ok_or_else(|| Fault::Number { field, found: cut(text) })
         };
-        let (time, value) = (number("time", time)?, number("value", value)?);
-        let of = match of {
-            "sustain" => Of::Pedal(SUSTAIN),
-            "sostenuto" => Of::Pedal(SOSTENUTO),
-            "soft" => Of::Pedal(SOFT),
-            key => Of::Key(key_named(key).ok_or_else(|| Fault::Key { found: cut(key) })?),
+        let pedal = |of: &str| match of {
+            "sustain" => Some(Of::Pedal(SUSTAIN)),
+            "sostenuto" => Some(Of::Pedal(SOSTENUTO)),
+            "soft" => Some(Of::Pedal(SOFT)),
+            _ => None,
+        };
+        let key = |text: &str| key_named(text).ok_or_else(|| Fault::Key { found: cut(text) });
+        let (time, of, value) = match fields[..] {
+            [time, of, contact, state] if is_contacts && pedal(of).is_none() => {
+                let wrong = |field, found: &str, expected| Fault::Edge { field, found: cut(found), expected };
+                let time = number("time", time)?;
+                let contact = ["1", "2", "3"].iter().position(|one| *one == contact);
+                let contact = contact.ok_or_else(|| wrong("contact", fields[2], "1 (the upper one), 2 or 3"))?;
+                let closes = match state {
+                    "made" => 1.0,
+                    "open" => 0.0,
+                    other => return Err(wrong("state", other, "`made` or `open`")),
+                };
+                (time, Of::Contact(key(of)?, contact), closes)
+            }
+            [time, of, value] if pedal(of).is_some() || !is_contacts => {
+                let (time, value) = (number("time", time)?, number("value", value)?);
+                (time, pedal(of).map_or_else(|| key(of).map(Of::Key), Ok)?, value)
+            }
+            _ if is_contacts => return Err(Fault::EdgeFields { found: cut(line) }),
+            _ => return Err(Fault::Fields { found: cut(line) }),
         };
         let time_s = if self.head.in_microseconds { self.unwrapped_s(time) } else { time };
         Ok(Some(Sample { time_s, of, value }))

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use clap::Args;
 use erard::instrument_spec::Base;
-use erard_live::profile::Profile;
+use erard_live::profile::{Profile, Sensed};
 use erard_live::stream::{Head, Of, Reader, Sample, SensorUnit};
 use erard_live::{Event, Live as Keys, LiveError, Options, SensorKind};
 use erard_workshop::cores;
@@ -61,7 +61,7 @@ pub(crate) struct Live {
     /// Full travel of the device, mm: it is scaled to the key's dip. For `--sensor light` and a stream in mm
     #[arg(long, value_name = "MM", value_parser = distance, allow_hyphen_values = true)]
     travel: Option<f64>,
-    /// Profile of the sensors, as `erard calibrate` writes it; for a stream of raw readings or pressures
+    /// Profile of the sensors, as `erard calibrate` writes it; for a stream of raw readings, pressures or contacts
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
     /// Send notes before the impact, as early as 0.2 ms and 1 % of its speed allow
@@ -80,7 +80,7 @@ pub(crate) struct Live {
     /// MIDI port of the system, by part of its name, instead of --out-file
     #[arg(long, value_name = "NAME")]
     midi_port: Option<String>,
-    /// Let all keys go if a pipe has sent nothing for this time, s
+    /// Let all keys go if a pipe has sent nothing for this time, s; never for contacts, which send their edges only
     #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = between(Quantity::Time, "s", 0.05, 3600.0), allow_hyphen_values = true)]
     stall: f64,
     /// Replace FILE if it exists
@@ -209,6 +209,20 @@ impl Live {
                     "raw readings and pressures need --calibration FILE; `erard calibrate` makes one of readings",
                 );
             }
+            (SensorUnit::Contacts, None) => {
+                return wrong("contacts need --calibration FILE; `erard calibrate --contacts MM,MM` makes one");
+            }
+            (SensorUnit::Contacts, Some(Profile { sensed: Sensed::Contacts(_), .. })) => {
+                if self.ahead || self.sensor_at.is_some() {
+                    return wrong("--ahead and --sensor-at go with sensors of a key's whole travel, not with contacts");
+                }
+            }
+            (SensorUnit::Contacts, Some(_)) => {
+                return wrong("the calibration has no [contacts]; `erard calibrate --contacts MM,MM` makes one");
+            }
+            (_, Some(Profile { sensed: Sensed::Contacts(_), .. })) => {
+                return wrong("the calibration is one of contacts; expected the header `time_us,key,contact,state`");
+            }
             (SensorUnit::Pressure, Some(profile)) if !profile.pressure_is_depth => {
                 return wrong(
                     "polyphonic pressure is a force on most devices, and no depth. If it is the key's depth on this \
@@ -262,7 +276,7 @@ impl Live {
             let line = match feed.recv_timeout(Duration::from_secs_f64(self.stall)) {
                 Ok(line) => line,
                 Err(RecvTimeoutError::Disconnected) => break,
-                Err(RecvTimeoutError::Timeout) if waits || is_file || keys.are_up() => continue,
+                Err(RecvTimeoutError::Timeout) if waits || is_file || keys.is_sparse() || keys.are_up() => continue,
                 Err(RecvTimeoutError::Timeout) => {
                     waits = true;
                     let begins_s = keys.begins_s();

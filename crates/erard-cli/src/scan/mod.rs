@@ -7,7 +7,7 @@ use std::io::Write;
 
 use erard::instrument::Instrument;
 use erard::keyboard::{Keyboard, note_name};
-use erard_live::profile::Profile;
+use erard_live::profile::{Profile, Sensed};
 use erard_live::sensor::Law as SensorLaw;
 use erard_midi::Law;
 use erard_piece::Score;
@@ -76,7 +76,8 @@ impl Scanned<'_> {
         for bits in bits.into_keys() {
             let keys = self.played.iter().map(|key| (*key, stops(bits))).collect();
             let travel_m = self.known_travel_m();
-            let profile = Profile { law: SensorLaw::Linear {}, travel_m, pressure_is_depth: false, keys };
+            let law = SensorLaw::Linear {};
+            let profile = Profile { sensed: Sensed::Keys, law, travel_m, pressure_is_depth: false, keys };
             output.text(session, &profile_name(bits), &profile.text())?;
         }
         output.table(session, "truth.csv", &self.strikes())?;

@@ -330,3 +330,51 @@ fn a_rulers_table_is_a_law() {
     let said = folder.bad(&["calibrate", "readings.csv", "--sensor-law", "flat.csv"]);
     assert!(Folder::words(&said).contains("flat.csv: readings from 500 at 0 mm to 500 at 10 mm do not rise"), "{said}");
 }
+
+/// Two contacts a key: a profile from the simulated action, edges that bounce, one note each; a maker's own table in
+/// its place; what does not fit is refused.
+#[test]
+fn contacts_become_notes() {
+    let folder = Folder::new("live-contacts");
+    let said = folder.good_words(&["calibrate", "--contacts", "3,6.5", "--scan-period", "250"]);
+    for part in ["contact 1 to 2", "touch, counts", "A note ends as contact 1 opens.", "would err least"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let edges = "time_us,key,contact,state\n1000000,C4,1,made\n1000250,C4,1,open\n1000500,C4,1,made\n\
+                 1016400,C4,2,made\n1300000,C4,2,open\n1320000,C4,1,open\n1400000,sustain,1\n\
+                 9000000,52,1,made\n9004000,52,2,made\n9100000,52,2,open\n9120000,52,1,open\n";
+    folder.file("edges.csv", edges);
+    let said = folder.good(&["live", "edges.csv", "--calibration", "contacts.toml", "--out-file", "notes.csv"]);
+    assert!(said.contains("2 note-ons, 2 note-offs") && said.contains("2 changes of contacts that were"), "{said}");
+    let notes = |name: &str| -> Vec<Vec<String>> {
+        let text = folder.read(name);
+        text.lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let simulated = notes("notes.csv");
+    let speed = |rows: &[Vec<String>], i: usize| rows[i][3].parse::<f64>().unwrap();
+    // About what the table says at 16.4 ms, and more than twice as fast.
+    assert!((1.5..2.4).contains(&speed(&simulated, 0)) && speed(&simulated, 1) > 4.0, "{simulated:?}");
+    folder.file("maker.csv", "between_ms,hammer_speed_m_per_s\n4,5\n16.4,1.25\n80,0.3\n");
+    let own = ["calibrate", "--contacts", "3,6.5", "--contact-table", "maker.csv", "--out-file", "maker.toml"];
+    folder.good(&own);
+    folder.good(&["live", "edges.csv", "--calibration", "maker.toml", "--out-file", "own.csv"]);
+    assert!((speed(&notes("own.csv"), 0) - 1.25).abs() < 1e-3 && (speed(&notes("own.csv"), 1) - 5.0).abs() < 1e-3);
+
+    folder.file("falls.csv", "between_ms,hammer_speed_m_per_s\n4,5\n# faster\n16.4,6\n");
+    folder.file("raw.csv", "time_us,key,raw\n0,40,1\n");
+    for (arguments, part) in [
+        (&["calibrate"][..], "READINGS.csv"),
+        (&["calibrate", "--contacts", "3"], "--contacts: 1 contacts; expected 2 or 3"),
+        (&["calibrate", "--contacts", "6,3"], "found 3 mm; expected depths"),
+        (&["calibrate", "--contacts", "3,14"], "within the key's dip"),
+        (&["calibrate", "--contacts", "3,6", "--scan-phases", "0,2000"], "--scan-phases: found 0.002 s"),
+        (&["calibrate", "--contacts", "3,6", "--scan-phases", "0"], "1 phases; expected one for each of 2"),
+        (&["calibrate", "--contacts", "3,6", "--contact-table", "falls.csv", "--force"], "falls.csv, line 4: point 2"),
+        (&["live", "edges.csv", "--out-file", "o.mid"], "calibrate --contacts"),
+        (&["live", "edges.csv", "--calibration", "contacts.toml", "--ahead", "--out-file", "o.mid"], "--ahead"),
+        (&["live", "raw.csv", "--calibration", "contacts.toml", "--out-file", "o.mid"], "time_us,key,contact,state"),
+    ] {
+        let said = Folder::words(&folder.bad(arguments));
+        assert!(said.contains(part), "{arguments:?}: {said}");
+    }
+}

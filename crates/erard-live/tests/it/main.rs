@@ -5,6 +5,7 @@ mod calibrated;
 mod chip;
 mod clocks;
 mod common;
+mod contacts;
 #[path = "../../../erard/tests/common/generated.rs"]
 mod generated;
 mod limited;

@@ -25,12 +25,18 @@ impl Press {
 
     /// The same on another action.
     pub fn on(instrument: &Instrument, speed_m_per_s: f64) -> Self {
+        Press::by(instrument, Touch::Pressed, speed_m_per_s)
+    }
+
+    /// The same by a touch.
+    pub fn by(instrument: &Instrument, touch: Touch, speed_m_per_s: f64) -> Self {
         let mut reference = Reference::new(instrument, &mut |_| true).unwrap();
-        let kind = HandKind::new(Touch::Pressed, 0.2);
+        let kind = HandKind::new(touch, 0.2);
         let stroke = reference.solve(kind, speed_m_per_s, &mut |_| true).unwrap().whole();
         let mut action = Action::new(instrument).unwrap();
         let Settings { step: h, theta, .. } = *action.settings();
         let (mut key_m, mut impacts) = (vec![0.0], vec![]);
+        action.place_hand(stroke.hand.start_m, stroke.hand.start_m_per_s);
         for n in 0..(0.9 / h) as u32 {
             let reading = action.step(stroke.hand.input(&stroke.input((f64::from(n) + theta) * h)).unwrap());
             key_m.push(reading.key_m);
