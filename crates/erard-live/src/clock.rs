@@ -19,8 +19,8 @@ pub(crate) enum Taken {
 }
 
 /// Follows a clock. A stamp more than a second from the last one waits until the next comes: where that is near the
-/// last one, the stamp was wrong; where it is near the stamp, and later, the clock has jumped. A sender of edges is silent
-/// while nothing happens: its stamps ahead are believed.
+/// last one, the stamp was wrong; where it is near the stamp, and later, the clock has jumped. A sender of edges is
+/// silent while nothing happens: its stamps ahead are believed.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Clock {
     /// Whether the sender is silent while nothing happens.

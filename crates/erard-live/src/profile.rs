@@ -9,6 +9,8 @@ use serde::Deserialize;
 
 use crate::contacts::{ContactFault, ContactLaw, MAX_CONTACTS, Point, SpeedTable};
 pub use crate::converter::{Converter, Stops};
+use crate::hammers::HammerKey;
+pub use crate::hammers::Release;
 use crate::sensor::Law;
 
 /// Format name, the first entry of a profile.
@@ -36,6 +38,9 @@ pub enum Sensed {
     Keys,
     /// Two or three contacts under each key. Law, travel and stops are not used.
     Contacts(Box<ContactLaw>),
+    /// The travel of each hammer's head from its rest to the string or the stop rail, and, where there is a second
+    /// sensor at the key or the damper, what it senses and its stops, by the key's number from 1.
+    Hammers(Option<(Release, BTreeMap<usize, Stops>)>),
 }
 
 /// Fault of a profile.
@@ -66,13 +71,22 @@ pub enum ProfileFault {
 #[serde(deny_unknown_fields)]
 struct File {
     format: String,
+    sensed: Option<String>,
     travel_mm: Option<f64>,
     #[serde(default)]
     polyphonic_pressure_is_depth: bool,
     law: Option<Law>,
     contacts: Option<ContactsEntry>,
+    release: Option<ReleaseEntry>,
     #[serde(default)]
     key: Vec<KeyEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ReleaseEntry {
+    travel_mm: f64,
+    off_mm: f64,
 }
 
 #[derive(Deserialize)]
@@ -100,6 +114,8 @@ struct KeyEntry {
     number: usize,
     rest: f64,
     pressed: f64,
+    release_rest: Option<f64>,
+    release_pressed: Option<f64>,
 }
 
 impl Profile {
@@ -115,7 +131,7 @@ impl Profile {
             return Err(wrong("format", format!("\"{}\"", file.format), "\"erard-sensors/1\""));
         }
         if let Some(contacts) = file.contacts {
-            if file.travel_mm.is_some() || file.law.is_some() || !file.key.is_empty() {
+            if file.travel_mm.is_some() || file.law.is_some() || file.release.is_some() || !file.key.is_empty() {
                 let what = "contacts alone, without `travel_mm`, `law` and `key`";
                 return Err(wrong("contacts", "beside a travel, a law or keys".into(), what));
             }
@@ -128,8 +144,13 @@ impl Profile {
             return Err(wrong("travel_mm", travel_mm.to_string(), "a number from 0.5 to 100"));
         }
         law.check().map_err(|fault| wrong("law", fault.to_string(), "a sound law"))?;
-        let mut keys = BTreeMap::new();
-        for KeyEntry { number, rest, pressed } in file.key {
+        let is_hammers = match file.sensed.as_deref() {
+            None | Some("keys") => false,
+            Some("hammers") => true,
+            Some(other) => return Err(wrong("sensed", format!("\"{other}\""), "\"keys\" or \"hammers\"")),
+        };
+        let (mut keys, mut releases) = (BTreeMap::new(), BTreeMap::new());
+        for KeyEntry { number, rest, pressed, release_rest, release_pressed } in file.key {
             if !(1..=KEYS).contains(&number) || keys.contains_key(&number) {
                 return Err(wrong("key.number", number.to_string(), "1 to 88, each once"));
             }
@@ -138,12 +159,37 @@ impl Profile {
                 return Err(wrong(&format!("key {number}"), found, "two different finite readings"));
             }
             keys.insert(number, Stops { rest, pressed });
+            match (release_rest, release_pressed) {
+                (None, None) => {}
+                (Some(rest), Some(pressed)) if rest != pressed && rest.is_finite() && pressed.is_finite() => {
+                    releases.insert(number, Stops { rest, pressed });
+                }
+                (rest, pressed) => {
+                    let found = format!("{rest:?} up and {pressed:?} down");
+                    return Err(wrong(&format!("release of key {number}"), found, "two different finite readings"));
+                }
+            }
         }
         if keys.is_empty() {
             return Err(wrong("key", "missing".into(), "at least one [[key]]"));
         }
         let (travel_m, pressure_is_depth) = (1e-3 * travel_mm, file.polyphonic_pressure_is_depth);
-        Ok(Profile { sensed: Sensed::Keys, law, travel_m, pressure_is_depth, keys })
+        let release = file.release.map(|ReleaseEntry { travel_mm, off_mm }| {
+            let is_sound = (0.5..=100.0).contains(&travel_mm) && off_mm > 0.0 && off_mm < travel_mm;
+            let found = || format!("travel_mm {travel_mm}, off_mm {off_mm}");
+            let release = Release { travel_m: 1e-3 * travel_mm, off_m: 1e-3 * off_mm };
+            let expected = "a travel of 0.5 to 100 mm, and off_mm within it";
+            is_sound.then_some(release).ok_or_else(|| wrong("release", found(), expected))
+        });
+        let release = release.transpose()?;
+        if release.is_some() == releases.is_empty() || release.is_some() && !is_hammers {
+            let expected =
+                "[release] and the keys' release_rest and release_pressed together, with sensed = \"hammers\"";
+            return Err(wrong("release", format!("of {} keys", releases.len()), expected));
+        }
+        let hammers = Sensed::Hammers(release.map(|release| (release, releases)));
+        let sensed = if is_hammers { hammers } else { Sensed::Keys };
+        Ok(Profile { sensed, law, travel_m, pressure_is_depth, keys })
     }
 
     /// The profile of a device with contacts.
@@ -163,7 +209,16 @@ impl Profile {
             return out;
         }
         // Nothing that is written to a string fails.
-        let _ = writeln!(out, "# The sensed place's way between the key's two stops.");
+        let release = match &self.sensed {
+            Sensed::Hammers(release) => {
+                let _ =
+                    writeln!(out, "# Hammers: rest and pressed are a head's readings at its rest and at its string.");
+                let _ = writeln!(out, "sensed = \"hammers\"");
+                release.as_ref()
+            }
+            _ => None,
+        };
+        let _ = writeln!(out, "# The sensed place's way between its two stops.");
         let _ = writeln!(out, "travel_mm = {}", mm(self.travel_m));
         let _ = writeln!(out, "# Whether polyphonic pressure of this device is the key's depth, not a force.");
         let _ = writeln!(out, "polyphonic_pressure_is_depth = {}\n\n[law]", self.pressure_is_depth);
@@ -178,8 +233,16 @@ impl Profile {
                     .and_then(|()| writeln!(out, "points = {points:?}"))
             }
         };
+        if let Some((Release { travel_m, off_m }, _)) = release {
+            let _ =
+                writeln!(out, "\n# The second sensor, at the key or the damper, and its travel where the damper lies.");
+            let _ = writeln!(out, "[release]\ntravel_mm = {}\noff_mm = {}", mm(*travel_m), mm(*off_m));
+        }
         for (number, Stops { rest, pressed }) in &self.keys {
             let _ = writeln!(out, "\n[[key]]\nnumber = {number}\nrest = {rest}\npressed = {pressed}");
+            if let Some(Stops { rest, pressed }) = release.and_then(|(_, stops)| stops.get(number)) {
+                let _ = writeln!(out, "release_rest = {rest}\nrelease_pressed = {pressed}");
+            }
         }
         out
     }
@@ -189,6 +252,16 @@ impl Profile {
     pub fn converter(&self, key: usize) -> Option<Converter<f64, Vec<[f64; 2]>>> {
         let stops = *self.keys.get(&key)?;
         Some(Converter::new(self.law.clone(), stops, self.travel_m))
+    }
+
+    /// Returns a hammer at rest; `None` for a key without stops, and for a profile of other sensors.
+    #[must_use]
+    pub fn hammer(&self, key: usize) -> Option<HammerKey<Vec<[f64; 2]>>> {
+        let Sensed::Hammers(release) = &self.sensed else { return None };
+        let release = release.as_ref().and_then(|(release, stops)| {
+            Some((Converter::new(Law::Linear {}, *stops.get(&key)?, release.travel_m), *release))
+        });
+        Some(HammerKey::new(self.converter(key)?, release))
     }
 }
 
@@ -267,7 +340,7 @@ fn point(numbers: &[f64]) -> Option<Point> {
 fn contacts_text(law: &ContactLaw) -> String {
     let rounded = |number: f64, unit: f64| (1e4 * number / unit).round() / 1e4;
     let list = |all: &[f64], unit: f64| all[..law.count].iter().map(|one| rounded(*one, unit)).collect::<Vec<_>>();
-    let mut out = format!("\n[contacts]\n# Depths of the key's front at which they close, the upper one first.\n");
+    let mut out = String::from("\n[contacts]\n# Depths of the key's front at which they close, the upper one first.\n");
     // Nothing that is written to a string fails.
     let _ = writeln!(out, "depths_mm = {:?}", list(&law.depths_m, 1e-3));
     let _ = writeln!(out, "# Period of the scan, and how long after its time stamp each contact is read.");

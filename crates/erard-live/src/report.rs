@@ -34,6 +34,8 @@ pub struct Report {
     pub slow_strokes: u64,
     /// Contacts that closed after the one below them.
     pub swapped_contacts: u64,
+    /// Rises of sensed hammers that turned before their strings.
+    pub lifts: u64,
     /// Note-ons and note-offs, cancelled ones among them.
     pub note_ons: u64,
     /// Note-offs.

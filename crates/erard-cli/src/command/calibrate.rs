@@ -6,17 +6,19 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use erard::damper::{USUAL_HEIGHT_M, damper_height_m};
 use erard::instrument_spec::Base;
 use erard::run::SimulationError;
 use erard_live::calibrate::{Found, Readings, stops, unlike};
 use erard_live::contact_table::{ContactTableError, Presses, error_counts};
 use erard_live::contacts::{ContactFault, ContactLaw, Point, SpeedTable};
-use erard_live::profile::{Profile, Sensed};
+use erard_live::profile::{Profile, Release, Sensed};
 use erard_live::sensor::{Law as SensorLaw, LawFault};
-use erard_live::stream::{Head, Of, Reader, SensorUnit};
+use erard_live::stream::{Of, SensorUnit};
 use erard_midi::Law;
 use serde_json::json;
 
+use super::live::stream_reader;
 use super::out::OwnFile;
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -29,6 +31,11 @@ use crate::print_line;
 use crate::session::Session;
 use crate::table::{Table, decimal};
 
+/// Headers of a ruler's table and of a maker's own table of contacts.
+pub(super) const RULER_HEAD: &str = "raw,mm";
+pub(super) const CONTACT_HEAD: &str = "between_ms,hammer_speed_m_per_s";
+/// Readings of sensors by their keys.
+type Sensors = BTreeMap<usize, Readings>;
 /// The key that is pressed for the table of contacts: C4.
 const PRESSED_KEY: usize = 40;
 /// What stands below the options.
@@ -41,12 +48,23 @@ pub(crate) struct Calibrate {
     /// Readings of every key: at rest, pressed and held, let go. CSV with the header `time_s,key,raw`
     #[arg(value_name = "READINGS.csv", required_unless_present = "contacts", conflicts_with = "contacts")]
     readings: Option<PathBuf>,
+    /// Rows without times: their number a second, Hz. The header names the keys of the columns, such as `40,41`, or is
+    /// `key,raw`
+    #[arg(long, value_name = "HZ", conflicts_with = "contacts", value_parser = between(Quantity::Frequency, "Hz", 20.0, 1e6), allow_hyphen_values = true)]
+    rate: Option<f64>,
     /// Law of the sensors: linear, cny70, hall, or a file of your own points (CSV with the header `raw,mm`)
     #[arg(long, value_name = "LAW", default_value = "linear")]
     sensor_law: String,
-    /// Travel of the sensed place between a key's two stops, mm
-    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = between(Quantity::Length, "mm", 0.5, 100.0), allow_hyphen_values = true)]
-    travel: f64,
+    /// Travel of the sensed place between its two stops, mm [default: 10, of a hammer's head 46]
+    #[arg(long, value_name = "MM", value_parser = between(Quantity::Length, "mm", 0.5, 100.0), allow_hyphen_values = true)]
+    travel: Option<f64>,
+    /// The sensors sit at the hammers' shanks: readings of each hammer at rest, held against its string or stop rail,
+    /// let go
+    #[arg(long, conflicts_with_all = ["contacts", "pressure_is_depth"])]
+    hammers: bool,
+    /// Hammers: travel of a second sensor at each key, mm, whose readings are those of `40:release`
+    #[arg(long, value_name = "MM", requires = "hammers", value_parser = between(Quantity::Length, "mm", 0.5, 100.0), allow_hyphen_values = true)]
+    release_travel: Option<f64>,
     /// Hall sensors: smallest distance to the magnet, mm. The default is an estimate
     #[arg(long, value_name = "MM", default_value_t = 3.0, value_parser = between(Quantity::Length, "mm", 0.1, 100.0), allow_hyphen_values = true)]
     nearest: f64,
@@ -94,11 +112,13 @@ impl Calibrate {
         let asked = shown(self.readings());
         let OwnFile { folder, name } =
             OwnFile::of(session, self.out_file.as_deref(), &asked, ".toml", "profile's", self.force)?;
-        let found = stops(&self.read(session)?).map_err(|fault| Failure::Usage(format!("{asked}: {fault}")))?;
+        let (readings, second) = self.read(session)?;
+        let wrong = |what: String| Failure::Usage(format!("{asked}: {what}"));
+        let found = stops(&readings).map_err(|fault| wrong(fault.to_string()))?;
         let profile = Profile {
-            sensed: Sensed::Keys,
+            sensed: self.sensed(session, &second, &asked)?,
             law,
-            travel_m: 1e-3 * self.travel,
+            travel_m: 1e-3 * self.travel_mm(),
             pressure_is_depth: self.pressure_is_depth,
             keys: found.iter().map(|(key, one)| (*key, one.stops)).collect(),
         };
@@ -108,6 +128,35 @@ impl Calibrate {
         self.tell(session, &found);
         print_line!(session, "{written}");
         Ok(self.answer(&found)?.files(&written))
+    }
+
+    fn travel_mm(&self) -> f64 {
+        self.travel.unwrap_or(if self.hammers { 46.0 } else { 10.0 })
+    }
+
+    /// What is sensed: keys, or hammers, whose releases a second sensor may see.
+    fn sensed(&self, session: &mut Session, second: &Sensors, asked: &str) -> Result<Sensed, Failure> {
+        let wrong = |what: &str| Failure::Usage(format!("{asked}: {what}"));
+        match (self.hammers, self.release_travel, second.is_empty()) {
+            (false, _, true) => Ok(Sensed::Keys),
+            (false, _, false) => Err(wrong("`:release` is a second sensor beside a hammer; expected --hammers")),
+            (true, None, true) => Ok(Sensed::Hammers(None)),
+            (true, None, false) => Err(wrong("readings of `:release`; expected their travel, --release-travel MM")),
+            (true, Some(_), true) => Err(wrong("no readings of a second sensor, such as `40:release`")),
+            (true, Some(travel_mm), false) => {
+                let keyboard = load_keyboard(session, &self.keyboard)?;
+                let failed = |error: &dyn std::fmt::Display| Failure::Usage(format!("{}: {error}", keyboard.name));
+                let instrument = keyboard.key(PRESSED_KEY).map_err(|error| failed(&error))?;
+                let damper_m = damper_height_m(&instrument).map_err(|error| failed(&error))?;
+                let dip_m = erard_live::dip_m(&instrument).map_err(|error| failed(&error))?;
+                let travel_m = 1e-3 * travel_mm;
+                let off_m = travel_m * damper_m.unwrap_or(USUAL_HEIGHT_M) / dip_m;
+                // To a hundredth of a millimetre.
+                let release = Release { travel_m, off_m: 1e-5 * (1e5 * off_m).round() };
+                let found = stops(second).map_err(|fault| wrong(&format!("{fault} (`:release`)")))?;
+                Ok(Sensed::Hammers(Some((release, found.iter().map(|(key, one)| (*key, one.stops)).collect()))))
+            }
+        }
     }
 
     fn readings(&self) -> &Path {
@@ -156,13 +205,13 @@ impl Calibrate {
         Ok(contacts_answer(&law, best)?.files(&written))
     }
 
-    /// The readings of all keys.
-    fn read(&self, session: &mut Session) -> Result<BTreeMap<usize, Readings>, Failure> {
+    /// The readings of all keys, and those of second sensors.
+    fn read(&self, session: &mut Session) -> Result<(Sensors, Sensors), Failure> {
         let name = shown(self.readings());
         let wrong = |line: usize, what: String| Failure::Usage(format!("{name}, line {line}: {what}"));
         let unread = |error: std::io::Error| Failure::Usage(format!("{name}: cannot be read: {error}"));
         let file = session.inputs.open(self.readings()).map_err(unread)?;
-        let (mut reader, mut keys) = (None, BTreeMap::<usize, Readings>::new());
+        let (mut reader, mut keys, mut second) = (None, Sensors::new(), Sensors::new());
         for (index, line) in BufReader::new(file).lines().enumerate() {
             let line = line.map_err(unread)?;
             let text = line.trim();
@@ -170,18 +219,20 @@ impl Calibrate {
                 continue;
             }
             let Some(reader) = &mut reader else {
-                let head = Head::parse(text).map_err(|fault| wrong(index + 1, fault.to_string()))?;
-                if !matches!(head.quantity, SensorUnit::Raw | SensorUnit::Pressure) {
+                let made = stream_reader(text, self.rate).map_err(|what| wrong(index + 1, what))?;
+                if !matches!(made.quantity(), SensorUnit::Raw | SensorUnit::Pressure) {
                     return Err(wrong(index + 1, format!("found `{text}`; expected a reading, `time_s,key,raw`")));
                 }
-                reader = Some(Reader::new(head));
+                reader = Some(made);
                 continue;
             };
-            let sample = reader.line(text).map_err(|fault| wrong(index + 1, fault.to_string()))?;
-            if let Some(sample) = sample
-                && let Of::Key(key) = sample.of
-            {
-                let all = &mut keys.entry(key).or_default().all;
+            for sample in reader.samples(text).map_err(|fault| wrong(index + 1, fault.to_string()))? {
+                let (key, sensors) = match sample.of {
+                    Of::Key(key) => (key, &mut keys),
+                    Of::Release(key) => (key, &mut second),
+                    _ => continue,
+                };
+                let all = &mut sensors.entry(key).or_default().all;
                 if all.last().is_some_and(|[t, _]| *t >= sample.time_s) {
                     return Err(wrong(index + 1, format!("key {key}: the time does not come after its last one")));
                 }
@@ -194,7 +245,7 @@ impl Calibrate {
             )));
         }
         session.provenance.used_without_file("readings", &name);
-        Ok(keys)
+        Ok((keys, second))
     }
 
     fn law(&self, session: &mut Session) -> Result<SensorLaw, Failure> {
@@ -222,7 +273,7 @@ impl Calibrate {
             .collect();
         let unlike: Vec<_> =
             unlike(found).into_iter().map(|(key, ratio)| json!({"key": key, "range_to_median": ratio})).collect();
-        Answer::of(&json!({"law": self.sensor_law, "travel_mm": self.travel, "keys": keys, "unlike": unlike}))
+        Answer::of(&json!({"law": self.sensor_law, "travel_mm": self.travel_mm(), "keys": keys, "unlike": unlike}))
     }
 
     fn tell(&self, session: &mut Session, found: &BTreeMap<usize, Found>) {
@@ -254,10 +305,9 @@ fn microseconds(text: &str) -> Result<f64, String> {
 }
 
 /// A maker's own table: times between two contacts, ms, and hammer speeds, m/s.
-fn own_speeds(session: &mut Session, path: &Path) -> Result<SpeedTable, Failure> {
+pub(super) fn own_speeds(session: &mut Session, path: &Path) -> Result<SpeedTable, Failure> {
     let expected = "CSV with the header `between_ms,hammer_speed_m_per_s`";
-    let LawPoints { name, points, lines } =
-        law_points(session, "--contact-table", path, "between_ms,hammer_speed_m_per_s", expected)?;
+    let LawPoints { name, points, lines } = law_points(session, "--contact-table", path, CONTACT_HEAD, expected)?;
     let of = |[between_ms, hammer_speed_m_per_s]: &[f64; 2]| Point {
         between_s: 1e-3 * between_ms,
         hammer_speed_m_per_s: *hammer_speed_m_per_s,
@@ -329,8 +379,8 @@ fn contacts_answer(law: &ContactLaw, best: Option<([f64; 2], f64)>) -> Result<An
 }
 
 /// A law of one's own points: readings and millimetres, from the rest to the bottom.
-fn own_table(session: &mut Session, path: &Path) -> Result<SensorLaw, Failure> {
-    let read = law_points(session, "--sensor-law", path, "raw,mm", "linear, cny70, hall")?;
+pub(super) fn own_table(session: &mut Session, path: &Path) -> Result<SensorLaw, Failure> {
+    let read = law_points(session, "--sensor-law", path, RULER_HEAD, "linear, cny70, hall")?;
     let LawPoints { name, points, lines } = read;
     let (law, averaged, changed) = SensorLaw::of_points(&points).map_err(|fault| {
         let ends = |of: usize| [points.first(), points.last()].map(|point| point.map_or(0.0, |point| point[of]));

@@ -46,6 +46,7 @@ impl StreamSummary {
                 lines.push(format!("  {count} {what}"));
             }
         };
+        counted(r.lifts, "rises of hammers that turned before their stops: no notes");
         counted(r.bounces, "changes of contacts that were bounces");
         counted(r.untimed_strokes, "strokes without a note: no upper contact had opened and closed again");
         counted(r.slow_strokes, "strokes too slow to throw a hammer to its string");

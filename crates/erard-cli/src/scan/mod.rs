@@ -30,8 +30,9 @@ pub(crate) struct Scanned<'a> {
     pub has_scatter: bool,
     pub seed: u32,
     pub instruments: &'a [Instrument],
-    /// Travel of each key's front, m.
+    /// Travel of each key's front, or of its hammer's head, m.
     pub travels_m: &'a [f64],
+    pub are_hammers: bool,
     /// Keys that are played, from 1.
     pub played: &'a [usize],
     pub sensors: &'a [Sensor],
@@ -77,7 +78,8 @@ impl Scanned<'_> {
             let keys = self.played.iter().map(|key| (*key, stops(bits))).collect();
             let travel_m = self.known_travel_m();
             let law = SensorLaw::Linear {};
-            let profile = Profile { sensed: Sensed::Keys, law, travel_m, pressure_is_depth: false, keys };
+            let sensed = if self.are_hammers { Sensed::Hammers(None) } else { Sensed::Keys };
+            let profile = Profile { sensed, law, travel_m, pressure_is_depth: false, keys };
             output.text(session, &profile_name(bits), &profile.text())?;
         }
         output.table(session, "truth.csv", &self.strikes())?;

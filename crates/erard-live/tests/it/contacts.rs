@@ -85,7 +85,7 @@ fn one_note_each(instrument: &Instrument, speeds: &[f64], depths_m: &[f64], phas
                 };
                 let most = (0..law.tables().len()).map(stated).fold(0.0, f64::max);
                 assert!(off_by < most + beyond, "{touch:?} {speed}: {own}, {off_by:.2} of {most:.2} counts");
-                // The stream begins at an arbitrary instant; the impact is told to the spread of its delay.
+                // The stream begins at an arbitrary instant; the impact's instant is right to the spread of its delay.
                 let true_s = press.impacts[0][0];
                 assert!((on_s - true_s).abs() < 6e-3, "{touch:?} {speed}: {on_s} for {true_s}");
                 // Up through the contact whose opening ends the note.

@@ -8,6 +8,7 @@ mod common;
 mod contacts;
 #[path = "../../../erard/tests/common/generated.rs"]
 mod generated;
+mod hammers;
 mod limited;
 mod played;
 mod press;
