@@ -217,11 +217,12 @@ impl Live {
             (SensorUnit::Contacts, None) => {
                 return wrong("contacts need --calibration FILE; `erard calibrate --contacts MM,MM` makes one");
             }
-            (SensorUnit::Contacts, Some(Profile { sensed: Sensed::Contacts(_), .. })) => {
-                if self.ahead || self.sensor_at.is_some() {
-                    return wrong("--ahead and --sensor-at go with sensors of a key's whole travel, not with contacts");
-                }
+            (SensorUnit::Contacts, Some(Profile { sensed: Sensed::Contacts(_), .. }))
+                if self.ahead || self.sensor_at.is_some() =>
+            {
+                return wrong("--ahead and --sensor-at go with sensors of a key's whole travel, not with contacts");
             }
+            (SensorUnit::Contacts, Some(Profile { sensed: Sensed::Contacts(_), .. })) => {}
             (SensorUnit::Contacts, Some(_)) => {
                 return wrong("the calibration has no [contacts]; `erard calibrate --contacts MM,MM` makes one");
             }
