@@ -19,9 +19,12 @@ pub(crate) enum Taken {
 }
 
 /// Follows a clock. A stamp more than a second from the last one waits until the next comes: where that is near the
-/// last one, the stamp was wrong; where it is near the stamp, and later, the clock has jumped.
+/// last one, the stamp was wrong; where it is near the stamp, and later, the clock has jumped. A sender of edges is
+/// silent while nothing happens: its stamps ahead are believed.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Clock {
+    /// Whether the sender is silent while nothing happens.
+    is_sparse: bool,
     now_s: Option<f64>,
     has_begun: bool,
     waiting: Vec<Sample>,
@@ -30,6 +33,10 @@ pub(crate) struct Clock {
 }
 
 impl Clock {
+    pub(crate) fn new(is_sparse: bool) -> Self {
+        Clock { is_sparse, ..Clock::default() }
+    }
+
     pub(crate) fn take(&mut self, sample: &Sample) -> Taken {
         let is_near = |other_s: f64| (sample.time_s - other_s).abs() <= APART_S;
         let Some(now_s) = self.now_s else {
@@ -37,7 +44,7 @@ impl Clock {
             let is_first = !std::mem::replace(&mut self.has_begun, true);
             return if is_first { Taken::Next } else { Taken::Jump(vec![*sample]) };
         };
-        if is_near(now_s) {
+        if is_near(now_s) || self.is_sparse && sample.time_s > now_s {
             self.now_s = Some(now_s.max(sample.time_s));
             self.drop_waiting();
             return Taken::Next;

@@ -19,6 +19,8 @@ const PATIENCE_S: f64 = 0.1;
 /// Force, N, and time, s, with which a key is held to find its dip.
 const HELD_N: f64 = 5.0;
 const HELD_S: f64 = 0.4;
+/// Force that throws the hammer to its string, N.
+const PRESSED_N: f64 = 10.0;
 
 impl Limits<f64> {
     /// Finds the limits by pressing; `None` where no press throws the hammer to a string. The search covers only the
@@ -53,6 +55,16 @@ impl Limits<f64> {
 /// [`ActionError`].
 pub fn dip_m(instrument: &Instrument) -> Result<f64, ActionError> {
     Ok(Bench::of(instrument)?.held_and_let_go().0)
+}
+
+/// Rise of the hammer from its rest to its string, m; `None` where no press throws it there.
+///
+/// # Errors
+/// [`ActionError`].
+pub fn blow_m(instrument: &Instrument) -> Result<Option<f64>, ActionError> {
+    let mut bench = Bench::of(instrument)?;
+    let pressed = |_: f64| Input::Force(PRESSED_N);
+    Ok(bench.impact(&pressed).map(|(_, blow_m)| blow_m))
 }
 
 /// A key that is tried, each time from its rest.

@@ -46,6 +46,16 @@ pub(crate) enum KeyEvent {
     Released(f64, Option<f64>),
 }
 
+impl KeyEvent {
+    /// An event that was not announced.
+    pub(crate) fn of(event: Event) -> Self {
+        match event {
+            Event::On { time_s, hammer_speed_m_per_s } => KeyEvent::Struck(time_s, hammer_speed_m_per_s),
+            Event::Off { time_s, release_m_per_s } => KeyEvent::Released(time_s, release_m_per_s),
+        }
+    }
+}
+
 impl Steps<f64> for Action {
     fn step(&mut self, push: &Push<f64>) -> Stepped<f64> {
         let reading = Action::step(self, input(push));

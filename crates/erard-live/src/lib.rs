@@ -3,12 +3,16 @@
 //! - [`stream`]: the text that a sender writes, line by line;
 //! - [`sensor`], [`profile`], [`calibrate`]: raw readings to millimetres, from the two stops of each key and the
 //!   sensor's law, drift followed;
+//! - [`contacts`], [`contact_table`]: two or three contacts under each key, and the hammer speeds that a simulated
+//!   action has for the time between them;
+//! - [`hammers`]: sensors at hammer shanks, whose speed is read directly;
 //! - [`Live`]: takes samples as they come and returns notes ([`Event`]) when their hammers meet the strings, or before
 //!   ([`Options::ahead`]); it counts limited, clipped, late and lost samples ([`Report`]);
 //! - [`cable`]: how long bytes queue for a DIN cable; [`quality`]: errors from bits and rate of a sensor.
 //!
 //! Without the feature `std` (on by default) the crate contains the parts for a microcontroller, without a heap and
-//! also in single precision: [`sensor`], [`converter`], [`sensed`] and [`board`]. A stream's keys go through the same
+//! also in single precision: [`sensor`], [`converter`], [`sensed`], [`contacts`],
+//! [`hammers`] and [`board`]. A stream's keys go through the same
 //! code.
 //!
 //! SI units, except for files, which use millimetres; key and finger positive downward, the hammer upward.
@@ -24,12 +28,16 @@ pub mod cable;
 pub mod calibrate;
 #[cfg(feature = "std")]
 mod clock;
+#[cfg(feature = "std")]
+pub mod contact_table;
+pub mod contacts;
 pub mod converter;
 mod drive;
 #[cfg(feature = "std")]
 mod error;
 #[cfg(feature = "std")]
 mod find;
+pub mod hammers;
 #[cfg(feature = "std")]
 mod key;
 mod limits;
@@ -50,7 +58,7 @@ pub use drive::{Push, SensorKind};
 #[cfg(feature = "std")]
 pub use error::LiveError;
 #[cfg(feature = "std")]
-pub use find::dip_m;
+pub use find::{blow_m, dip_m};
 pub use limits::{Limits, MAX_HAMMER_M_PER_S};
 #[cfg(feature = "std")]
 pub use live::{Event, Live, Options};

@@ -10,11 +10,13 @@ use erard_midi::{Law, ReleaseLaw, Velocity, message};
 use erard_workshop::cores;
 
 use crate::clock::{APART_S, Clock, Taken};
+use crate::contacts::{ContactKey, ContactLaw};
 use crate::drive::SensorKind;
 use crate::error::LiveError;
+use crate::hammers::HammerKey;
 use crate::key::{Key, KeyEvent};
 use crate::limits::Limits;
-use crate::profile::{Converter, Profile};
+use crate::profile::{Converter, Profile, Sensed};
 use crate::quality::{Seen, expected_error_counts};
 use crate::report::{Leads, Report};
 use crate::stream::{Of, Sample, SensorUnit};
@@ -84,6 +86,10 @@ pub struct Live {
     /// From the lowest; `None` for a key that the stream does not move.
     keys: Vec<Option<Key>>,
     converters: Vec<Option<Converter<f64, Vec<[f64; 2]>>>>,
+    /// Contacts of all keys, from the lowest.
+    contacts: Option<(ContactLaw, Vec<ContactKey>)>,
+    /// Sensed hammers, from the lowest; empty if others are sensed.
+    hammers: Vec<Option<HammerKey<Vec<[f64; 2]>>>>,
     /// Ratio of each key: travel of its front per travel of the sensed place.
     front_per_sensed: Vec<f64>,
     pedals: [(u8, erard_midi::Pedal); 3],
@@ -116,6 +122,15 @@ impl Live {
         if instruments.is_empty() || instruments.len() > KEYS {
             return Err(LiveError::Count { found: instruments.len() });
         }
+        let contacts = profile.and_then(|profile| match &profile.sensed {
+            Sensed::Contacts(law) => Some((**law, vec![ContactKey::new(); instruments.len()])),
+            _ => None,
+        });
+        let hammers = profile.filter(|profile| matches!(profile.sensed, Sensed::Hammers(_)));
+        let hammers: Vec<_> =
+            hammers.iter().flat_map(|profile| (1..=instruments.len()).map(|key| profile.hammer(key))).collect();
+        // The table of contacts was made of an action before, and a hammer is sensed itself.
+        let instruments = if contacts.is_some() || !hammers.is_empty() { &[] } else { instruments };
         let silent: Vec<Instrument> = instruments.iter().map(|one| one.with_rigid_string().with_held_key()).collect();
         let moved: Vec<usize> =
             (1..=silent.len()).filter(|key| options.moved.as_ref().is_none_or(|moved| moved.contains(key))).collect();
@@ -141,7 +156,9 @@ impl Live {
             pedals: [pedal(message::SUSTAIN), pedal(message::SOSTENUTO), pedal(message::SOFT)],
             options,
             begins_s: None,
-            clock: Clock::default(),
+            clock: Clock::new(contacts.is_some()),
+            contacts,
+            hammers,
             shift_s: 0.0,
             now_s: 0.0,
             extremes: [f64::INFINITY, f64::NEG_INFINITY],
@@ -166,7 +183,13 @@ impl Live {
     /// Whether no key is pressed, so that the stream may pause.
     #[must_use]
     pub fn are_up(&self) -> bool {
-        self.keys.iter().flatten().all(Key::is_up)
+        self.keys.iter().flatten().all(Key::is_up) && self.hammers.iter().flatten().all(HammerKey::is_up)
+    }
+
+    /// Whether the sender is silent while nothing happens, so that its silence is no fault.
+    #[must_use]
+    pub fn is_sparse(&self) -> bool {
+        self.contacts.is_some()
     }
 
     /// Takes a sample and returns the resulting events. A stamp more than a second from its neighbours is dropped.
@@ -213,6 +236,7 @@ impl Live {
             return;
         }
         self.now_s = self.now_s.max(time_s);
+        self.after_bounces(give);
         match sample.of {
             Of::Pedal(controller) => {
                 self.report.samples += 1;
@@ -221,7 +245,58 @@ impl Live {
                     give(Event::Pedal { controller, time_s: begins_s + time_s, value });
                 }
             }
+            Of::Key(number) | Of::Release(number) if !self.hammers.is_empty() => {
+                let is_head = matches!(sample.of, Of::Key(_));
+                self.take_hammer(number, is_head, time_s, sample.value, give);
+            }
+            Of::Release(_) => self.report.uncalibrated += 1,
             Of::Key(number) => self.take_key(number, time_s, sample.value, give),
+            Of::Contact(number, contact) => self.take_edge(number, contact, time_s, sample.value > 0.0, give),
+        }
+    }
+
+    /// Takes a reading of a hammer, or of the sensor that sees its release.
+    fn take_hammer(&mut self, number: usize, is_head: bool, time_s: f64, value: f64, give: &mut dyn FnMut(Event)) {
+        let Live { hammers, leads, report, begins_s, .. } = self;
+        let Some(Some(hammer)) = hammers.get_mut(number - 1) else {
+            report.uncalibrated += 1;
+            return;
+        };
+        let begins_s = begins_s.unwrap_or(0.0);
+        let is_taken = {
+            let mut tell = teller(number, begins_s, begins_s + time_s, leads, report, give);
+            let mut send = |event| tell(KeyEvent::of(event));
+            if is_head { hammer.take(time_s, value, &mut send) } else { hammer.take_release(time_s, value, &mut send) }
+        };
+        match (is_taken, is_head) {
+            (true, _) => report.samples += 1,
+            (false, true) => report.out_of_order += 1,
+            (false, false) => report.uncalibrated += 1,
+        }
+    }
+
+    /// Takes the edge of a key's contact, from 0.
+    fn take_edge(&mut self, number: usize, contact: usize, time_s: f64, is_made: bool, give: &mut dyn FnMut(Event)) {
+        let Live { contacts, leads, report, begins_s, .. } = self;
+        let own = contacts.as_mut().filter(|(law, _)| contact < law.count);
+        let Some((law, key)) = own.and_then(|(law, keys)| Some((law, keys.get_mut(number - 1)?))) else {
+            report.uncalibrated += 1;
+            return;
+        };
+        report.samples += 1;
+        let begins_s = begins_s.unwrap_or(0.0);
+        let mut tell = teller(number, begins_s, begins_s + time_s, leads, report, give);
+        key.take(law, (contact, time_s, is_made), &mut |event| tell(KeyEvent::of(event)));
+    }
+
+    /// Contacts that stayed changed after their bounces.
+    fn after_bounces(&mut self, give: &mut dyn FnMut(Event)) {
+        let Live { contacts, leads, report, begins_s, now_s, .. } = self;
+        let (begins_s, now_s) = (begins_s.unwrap_or(0.0), *now_s);
+        let Some((law, keys)) = contacts else { return };
+        for (index, key) in keys.iter_mut().enumerate() {
+            let mut tell = teller(index + 1, begins_s, begins_s + now_s, leads, report, give);
+            key.until(law, now_s, &mut |event| tell(KeyEvent::of(event)));
         }
     }
 
@@ -248,7 +323,7 @@ impl Live {
     fn sensed(&mut self, number: usize, time_s: f64, value: f64) -> Option<f64> {
         let key = self.keys.get(number - 1)?.as_ref()?;
         let travel_m = match self.options.quantity {
-            SensorUnit::Newtons => return Some(value),
+            SensorUnit::Newtons | SensorUnit::Contacts => return Some(value),
             SensorUnit::Millimetres => 1e-3 * value,
             SensorUnit::Raw | SensorUnit::Pressure => self.converters[number - 1].as_mut()?.travel_m(time_s, value),
         };
@@ -276,8 +351,17 @@ impl Live {
 
     /// Releases all keys, whose notes end.
     fn end_notes(&mut self, give: &mut dyn FnMut(Event)) {
-        let Live { keys, leads, report, begins_s, now_s, .. } = self;
+        let Live { keys, contacts, hammers, leads, report, begins_s, now_s, .. } = self;
         let begins_s = begins_s.unwrap_or(0.0);
+        for (index, key) in contacts.iter_mut().flat_map(|(_, keys)| keys.iter_mut().enumerate()) {
+            let mut tell = teller(index + 1, begins_s, begins_s + *now_s, leads, report, give);
+            key.let_go(*now_s, &mut |event| tell(KeyEvent::of(event)));
+        }
+        for (index, hammer) in hammers.iter_mut().enumerate() {
+            let Some(hammer) = hammer else { continue };
+            let mut tell = teller(index + 1, begins_s, begins_s + *now_s, leads, report, give);
+            hammer.let_go(*now_s, &mut |event| tell(KeyEvent::of(event)));
+        }
         for (index, key) in keys.iter_mut().enumerate() {
             let Some(key) = key else { continue };
             key.let_go(*now_s, &mut teller(index + 1, begins_s, begins_s + *now_s, leads, report, give));
@@ -293,6 +377,12 @@ impl Live {
     /// Why there is no note, where there is none; `dip_m` is a key's dip, m.
     fn silence(&self, dip_m: f64) -> Option<String> {
         let [low, high] = self.extremes;
+        if self.report.note_ons == 0 && self.report.samples > 0 && self.contacts.is_some() {
+            return Some(self.silent_contacts());
+        }
+        if self.report.note_ons == 0 && self.report.samples > 0 && !self.hammers.is_empty() {
+            return Some(self.silent_hammers());
+        }
         if self.report.note_ons > 0 || self.report.samples == 0 || low > high {
             return None;
         }
@@ -322,6 +412,37 @@ impl Live {
         })
     }
 
+    /// Why contacts gave no note.
+    fn silent_contacts(&self) -> String {
+        let counts = || self.contacts.iter().flat_map(|(_, keys)| keys).map(|key| key.counts);
+        let sum = |of: fn(&crate::contacts::ContactCounts) -> u64| counts().map(|one| of(&one)).sum::<u64>();
+        if sum(|one| one.swapped) > 0 {
+            "lower contacts close before upper ones: is contact 1 the one that closes first?".into()
+        } else if sum(|one| one.untimed) > 0 {
+            "the lowest contact closes, and none above it: are contacts missing, or numbered from below?".into()
+        } else if sum(|one| one.slow) > 0 {
+            "no key comes to its lowest contact fast enough to throw a hammer to its string".into()
+        } else {
+            "no key comes to its lowest contact; has the device as many contacts as its profile?".into()
+        }
+    }
+
+    /// Why sensed hammers gave no note.
+    fn silent_hammers(&self) -> String {
+        let nearest = |(at, one): (usize, &Option<HammerKey<_>>)| Some((one.as_ref()?.counts.nearest_m, at + 1));
+        let all = self.hammers.iter().enumerate().filter_map(nearest);
+        let Some((nearest_m, key)) = all.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+            return "no hammer has stops".into();
+        };
+        match 1e3 * nearest_m {
+            below_mm if below_mm > 2.0 => format!(
+                "no hammer comes near its stop: the highest, that of key {key}, stays {below_mm:.1} mm below it; is the \
+                 sign inverted, or the profile that of keys?"
+            ),
+            _ => "no hammer comes to its stop with a speed: all turn at the let-off".into(),
+        }
+    }
+
     /// Counts of the stream so far.
     #[must_use]
     pub fn report(&self) -> Report {
@@ -331,7 +452,12 @@ impl Live {
         let which = |is: &dyn Fn(&crate::sensed::Counts) -> bool| -> Vec<usize> {
             keys().filter(|(_, key)| is(&key.counts())).map(|(number, _)| number).collect()
         };
+        let contacts = |of: &dyn Fn(&crate::contacts::ContactCounts) -> u64| {
+            self.contacts.iter().flat_map(|(_, keys)| keys).map(|key| of(&key.counts)).sum::<u64>()
+        };
+        let heads = || self.hammers.iter().flatten();
         let converters = || self.converters.iter().flatten();
+        let drifts = || converters().map(|one| (one.drift(), one.beyond())).chain(heads().map(HammerKey::drift));
         let dip_m = keys().next().map_or(0.0, |(_, key)| key.limits().dip_m);
         let rate_hz = self.seen.rate_hz();
         let bits = self.seen.bits(dip_m).filter(|_| self.options.quantity != SensorUnit::Newtons);
@@ -340,6 +466,11 @@ impl Live {
             dropped_stamps: self.clock.dropped,
             steps: keys().map(|(_, key)| key.steps).sum(),
             silence: self.silence(dip_m),
+            lifts: heads().map(|one| one.counts.lifts).sum(),
+            bounces: contacts(&|c| c.bounces),
+            untimed_strokes: contacts(&|c| c.untimed),
+            slow_strokes: contacts(&|c| c.slow),
+            swapped_contacts: contacts(&|c| c.swapped),
             limited_strokes: sum(&|c| u64::from(c.fast_strokes)),
             limited_steps: sum(&|c| c.fast_steps),
             deep_samples: sum(&|c| c.deep_samples),
@@ -347,12 +478,15 @@ impl Live {
             stuck_keys: which(&|c| c.stuck > 0),
             noisy_keys: which(&|c| u64::from(c.flutters) >= NOISY),
             non_finite_steps: sum(&|c| c.non_finite),
-            fastest_hammer_m_per_s: counts().map(|c| c.fastest_m_per_s).fold(0.0, f64::max),
+            fastest_hammer_m_per_s: counts()
+                .map(|c| c.fastest_m_per_s)
+                .chain(heads().map(|one| one.counts.fastest_m_per_s))
+                .fold(0.0, f64::max),
             rate_hz,
             bits,
             expected_error_counts: bits.zip(rate_hz).map(|(bits, rate)| expected_error_counts(bits, rate)),
-            largest_drift: converters().map(|one| one.drift().abs()).fold(0.0, f64::max),
-            drifts_beyond: converters().map(Converter::beyond).sum(),
+            largest_drift: drifts().map(|(drift, _)| drift.abs()).fold(0.0, f64::max),
+            drifts_beyond: drifts().map(|(_, beyond)| beyond).sum(),
             ahead: if self.options.ahead { self.leads.table() } else { Vec::new() },
             ..self.report.clone()
         }

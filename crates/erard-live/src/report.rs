@@ -26,6 +26,16 @@ pub struct Report {
     pub steps: u64,
     /// Samples of keys that have no calibration: left out.
     pub uncalibrated: u64,
+    /// Changes of contacts that were bounces.
+    pub bounces: u64,
+    /// Strokes to the lowest contact without a time: no contact above it had closed since the last note.
+    pub untimed_strokes: u64,
+    /// Strokes that came to the lowest contact too slowly to throw a hammer.
+    pub slow_strokes: u64,
+    /// Contacts that closed after the one below them.
+    pub swapped_contacts: u64,
+    /// Rises of sensed hammers that turned before their strings.
+    pub lifts: u64,
     /// Note-ons and note-offs, cancelled ones among them.
     pub note_ons: u64,
     /// Note-offs.

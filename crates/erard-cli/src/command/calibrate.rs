@@ -6,23 +6,38 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use erard::damper::{USUAL_HEIGHT_M, damper_height_m};
+use erard::instrument_spec::Base;
+use erard::run::SimulationError;
 use erard_live::calibrate::{Found, Readings, stops, unlike};
-use erard_live::profile::Profile;
-use erard_live::sensor::{Law, LawFault};
-use erard_live::stream::{Head, Of, Reader, SensorUnit};
+use erard_live::contact_table::{ContactTableError, Presses, error_counts};
+use erard_live::contacts::{ContactFault, ContactLaw, Point, SpeedTable};
+use erard_live::profile::{Profile, Release, Sensed};
+use erard_live::sensor::{Law as SensorLaw, LawFault};
+use erard_live::stream::{Of, SensorUnit};
+use erard_midi::Law;
 use serde_json::json;
 
+use super::live::stream_reader;
 use super::out::OwnFile;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::inputs::shown;
+use crate::instruments::load_keyboard;
 use crate::law_points::{LawPoints, law_points};
-use crate::number::between;
+use crate::number::{Values, between, list};
 use crate::output::Output;
 use crate::print_line;
 use crate::session::Session;
 use crate::table::{Table, decimal};
 
+/// Headers of a ruler's table and of a maker's own table of contacts.
+pub(super) const RULER_HEAD: &str = "raw,mm";
+pub(super) const CONTACT_HEAD: &str = "between_ms,hammer_speed_m_per_s";
+/// Readings of sensors by their keys.
+type Sensors = BTreeMap<usize, Readings>;
+/// The key that is pressed for the table of contacts: C4.
+const PRESSED_KEY: usize = 40;
 /// What stands below the options.
 const AFTER: &str = include_str!("help/calibrate.txt");
 
@@ -31,14 +46,25 @@ const AFTER: &str = include_str!("help/calibrate.txt");
 #[command(after_help = AFTER)]
 pub(crate) struct Calibrate {
     /// Readings of every key: at rest, pressed and held, let go. CSV with the header `time_s,key,raw`
-    #[arg(value_name = "READINGS.csv")]
-    readings: PathBuf,
+    #[arg(value_name = "READINGS.csv", required_unless_present = "contacts", conflicts_with = "contacts")]
+    readings: Option<PathBuf>,
+    /// Rows without times: their number a second, Hz. The header names the keys of the columns, such as `40,41`, or is
+    /// `key,raw`
+    #[arg(long, value_name = "HZ", conflicts_with = "contacts", value_parser = between(Quantity::Frequency, "Hz", 20.0, 1e6), allow_hyphen_values = true)]
+    rate: Option<f64>,
     /// Law of the sensors: linear, cny70, hall, or a file of your own points (CSV with the header `raw,mm`)
     #[arg(long, value_name = "LAW", default_value = "linear")]
     sensor_law: String,
-    /// Travel of the sensed place between a key's two stops, mm
-    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = between(Quantity::Length, "mm", 0.5, 100.0), allow_hyphen_values = true)]
-    travel: f64,
+    /// Travel of the sensed place between its two stops, mm [default: 10, of a hammer's head 46]
+    #[arg(long, value_name = "MM", value_parser = between(Quantity::Length, "mm", 0.5, 100.0), allow_hyphen_values = true)]
+    travel: Option<f64>,
+    /// The sensors sit at the hammers' shanks: readings of each hammer at rest, held against its string or stop rail,
+    /// let go
+    #[arg(long, conflicts_with_all = ["contacts", "pressure_is_depth"])]
+    hammers: bool,
+    /// Hammers: travel of a second sensor at each key, mm, whose readings are those of `40:release`
+    #[arg(long, value_name = "MM", requires = "hammers", value_parser = between(Quantity::Length, "mm", 0.5, 100.0), allow_hyphen_values = true)]
+    release_travel: Option<f64>,
     /// Hall sensors: smallest distance to the magnet, mm. The default is an estimate
     #[arg(long, value_name = "MM", default_value_t = 3.0, value_parser = between(Quantity::Length, "mm", 0.1, 100.0), allow_hyphen_values = true)]
     nearest: f64,
@@ -48,7 +74,27 @@ pub(crate) struct Calibrate {
     /// This device's polyphonic pressure is the key's depth
     #[arg(long)]
     pressure_is_depth: bool,
-    /// File of the profile [default: READINGS.toml in this folder]
+    /// Two or three contacts under each key, instead of readings: depths of the key's front at which they close, mm,
+    /// the upper one first
+    #[arg(long, value_name = "MM,MM", value_parser = list(between(Quantity::Length, "mm", 0.1, 20.0)), allow_hyphen_values = true)]
+    contacts: Option<Values>,
+    /// Contacts: period of their scan, us
+    #[arg(long, value_name = "US", default_value_t = 1000.0, value_parser = microseconds, allow_hyphen_values = true)]
+    scan_period: f64,
+    /// Contacts: how long after its time stamp each of them is read, us [default: 0]
+    #[arg(long, value_name = "US,US", value_parser = list(microseconds), allow_hyphen_values = true, requires = "contacts")]
+    scan_phases: Option<Values>,
+    /// Contacts: changes within this time after an edge are bounces, s
+    #[arg(long, value_name = "S", default_value_t = 2e-3, value_parser = between(Quantity::Time, "s", 0.0, 0.1), allow_hyphen_values = true)]
+    bounce: f64,
+    /// Contacts: the maker's own table from the first contact to the last, instead of the simulated action's. CSV with
+    /// the header `between_ms,hammer_speed_m_per_s`
+    #[arg(long, value_name = "FILE", requires = "contacts")]
+    contact_table: Option<PathBuf>,
+    /// Contacts: keyboard whose key 40 is pressed to find the hammer speeds
+    #[arg(long, value_name = "KEYBOARD", default_value = "concert-grand")]
+    keyboard: Base,
+    /// File of the profile [default: READINGS.toml, contacts.toml in this folder]
     #[arg(long, short, value_name = "FILE")]
     out_file: Option<PathBuf>,
     /// Replace FILE if it exists
@@ -59,14 +105,20 @@ pub(crate) struct Calibrate {
 impl Calibrate {
     /// Runs the command.
     pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
+        if let Some(Values(depths_mm)) = &self.contacts {
+            return self.run_contacts(session, depths_mm);
+        }
         let law = self.law(session)?;
-        let asked = shown(&self.readings);
+        let asked = shown(self.readings());
         let OwnFile { folder, name } =
             OwnFile::of(session, self.out_file.as_deref(), &asked, ".toml", "profile's", self.force)?;
-        let found = stops(&self.read(session)?).map_err(|fault| Failure::Usage(format!("{asked}: {fault}")))?;
+        let (readings, second) = self.read(session)?;
+        let wrong = |what: String| Failure::Usage(format!("{asked}: {what}"));
+        let found = stops(&readings).map_err(|fault| wrong(fault.to_string()))?;
         let profile = Profile {
+            sensed: self.sensed(session, &second, &asked)?,
             law,
-            travel_m: 1e-3 * self.travel,
+            travel_m: 1e-3 * self.travel_mm(),
             pressure_is_depth: self.pressure_is_depth,
             keys: found.iter().map(|(key, one)| (*key, one.stops)).collect(),
         };
@@ -78,13 +130,88 @@ impl Calibrate {
         Ok(self.answer(&found)?.files(&written))
     }
 
-    /// The readings of all keys.
-    fn read(&self, session: &mut Session) -> Result<BTreeMap<usize, Readings>, Failure> {
-        let name = shown(&self.readings);
+    fn travel_mm(&self) -> f64 {
+        self.travel.unwrap_or(if self.hammers { 46.0 } else { 10.0 })
+    }
+
+    /// What is sensed: keys, or hammers, whose releases a second sensor may see.
+    fn sensed(&self, session: &mut Session, second: &Sensors, asked: &str) -> Result<Sensed, Failure> {
+        let wrong = |what: &str| Failure::Usage(format!("{asked}: {what}"));
+        match (self.hammers, self.release_travel, second.is_empty()) {
+            (false, _, true) => Ok(Sensed::Keys),
+            (false, _, false) => Err(wrong("`:release` is a second sensor beside a hammer; expected --hammers")),
+            (true, None, true) => Ok(Sensed::Hammers(None)),
+            (true, None, false) => Err(wrong("readings of `:release`; expected their travel, --release-travel MM")),
+            (true, Some(_), true) => Err(wrong("no readings of a second sensor, such as `40:release`")),
+            (true, Some(travel_mm), false) => {
+                let keyboard = load_keyboard(session, &self.keyboard)?;
+                let failed = |error: &dyn std::fmt::Display| Failure::Usage(format!("{}: {error}", keyboard.name));
+                let instrument = keyboard.key(PRESSED_KEY).map_err(|error| failed(&error))?;
+                let damper_m = damper_height_m(&instrument).map_err(|error| failed(&error))?;
+                let dip_m = erard_live::dip_m(&instrument).map_err(|error| failed(&error))?;
+                let travel_m = 1e-3 * travel_mm;
+                let off_m = travel_m * damper_m.unwrap_or(USUAL_HEIGHT_M) / dip_m;
+                // To a hundredth of a millimetre.
+                let release = Release { travel_m, off_m: 1e-5 * (1e5 * off_m).round() };
+                let found = stops(second).map_err(|fault| wrong(&format!("{fault} (`:release`)")))?;
+                Ok(Sensed::Hammers(Some((release, found.iter().map(|(key, one)| (*key, one.stops)).collect()))))
+            }
+        }
+    }
+
+    fn readings(&self) -> &Path {
+        self.readings.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// A profile of contacts: nothing is read, a simulated key is pressed.
+    fn run_contacts(&self, session: &mut Session, depths_mm: &[f64]) -> Result<Answer, Failure> {
+        let OwnFile { folder, name } =
+            OwnFile::of(session, self.out_file.as_deref(), "contacts", ".toml", "profile's", self.force)?;
+        let own = self.contact_table.as_deref().map(|path| own_speeds(session, path)).transpose()?;
+        let keyboard = load_keyboard(session, &self.keyboard)?;
+        let wrong = |what: String| Failure::Usage(what);
+        let instrument = keyboard.key(PRESSED_KEY).map_err(|error| wrong(format!("{}: {error}", keyboard.name)))?;
+        let mut progress = session.progress("pressing a key");
+        let presses = Presses::of(&instrument, &mut |share| progress.tell(share));
+        drop(progress);
+        let presses = presses.map_err(|error| match error {
+            ContactTableError::Interrupted => SimulationError::Interrupted.into(),
+            error => wrong(format!("{}: {error}", keyboard.name)),
+        })?;
+        let depths_m: Vec<f64> = depths_mm.iter().map(|mm| 1e-3 * mm).collect();
+        let (period_s, bounce_s) = (1e-6 * self.scan_period, self.bounce);
+        let law = presses.law(&depths_m, period_s, bounce_s);
+        let mut law = law.map_err(|error| wrong(format!("--contacts: {error}")))?;
+        if let Some(Values(phases_us)) = &self.scan_phases {
+            if phases_us.len() != law.count {
+                let found = phases_us.len();
+                return Err(wrong(format!(
+                    "--scan-phases: {found} phases; expected one for each of {} contacts",
+                    law.count
+                )));
+            }
+            law.phases_s.iter_mut().zip(phases_us).for_each(|(phase_s, us)| *phase_s = 1e-6 * us);
+            law.check().map_err(|fault| wrong(format!("--scan-phases: {fault}")))?;
+        }
+        if let Some(table) = own {
+            law.tables[0] = table;
+        }
+        let best = presses.best(period_s);
+        let mut output = Output::files(session, &folder, self.force, &[&name])?;
+        output.text(session, &name, &Profile::of_contacts(law).text())?;
+        let written = output.commit(session)?;
+        tell_contacts(session, &law, &keyboard.name, best);
+        print_line!(session, "{written}");
+        Ok(contacts_answer(&law, best)?.files(&written))
+    }
+
+    /// The readings of all keys, and those of second sensors.
+    fn read(&self, session: &mut Session) -> Result<(Sensors, Sensors), Failure> {
+        let name = shown(self.readings());
         let wrong = |line: usize, what: String| Failure::Usage(format!("{name}, line {line}: {what}"));
         let unread = |error: std::io::Error| Failure::Usage(format!("{name}: cannot be read: {error}"));
-        let file = session.inputs.open(&self.readings).map_err(unread)?;
-        let (mut reader, mut keys) = (None, BTreeMap::<usize, Readings>::new());
+        let file = session.inputs.open(self.readings()).map_err(unread)?;
+        let (mut reader, mut keys, mut second) = (None, Sensors::new(), Sensors::new());
         for (index, line) in BufReader::new(file).lines().enumerate() {
             let line = line.map_err(unread)?;
             let text = line.trim();
@@ -92,18 +219,20 @@ impl Calibrate {
                 continue;
             }
             let Some(reader) = &mut reader else {
-                let head = Head::parse(text).map_err(|fault| wrong(index + 1, fault.to_string()))?;
-                if !matches!(head.quantity, SensorUnit::Raw | SensorUnit::Pressure) {
+                let made = stream_reader(text, self.rate).map_err(|what| wrong(index + 1, what))?;
+                if !matches!(made.quantity(), SensorUnit::Raw | SensorUnit::Pressure) {
                     return Err(wrong(index + 1, format!("found `{text}`; expected a reading, `time_s,key,raw`")));
                 }
-                reader = Some(Reader::new(head));
+                reader = Some(made);
                 continue;
             };
-            let sample = reader.line(text).map_err(|fault| wrong(index + 1, fault.to_string()))?;
-            if let Some(sample) = sample
-                && let Of::Key(key) = sample.of
-            {
-                let all = &mut keys.entry(key).or_default().all;
+            for sample in reader.samples(text).map_err(|fault| wrong(index + 1, fault.to_string()))? {
+                let (key, sensors) = match sample.of {
+                    Of::Key(key) => (key, &mut keys),
+                    Of::Release(key) => (key, &mut second),
+                    _ => continue,
+                };
+                let all = &mut sensors.entry(key).or_default().all;
                 if all.last().is_some_and(|[t, _]| *t >= sample.time_s) {
                     return Err(wrong(index + 1, format!("key {key}: the time does not come after its last one")));
                 }
@@ -116,14 +245,14 @@ impl Calibrate {
             )));
         }
         session.provenance.used_without_file("readings", &name);
-        Ok(keys)
+        Ok((keys, second))
     }
 
-    fn law(&self, session: &mut Session) -> Result<Law, Failure> {
+    fn law(&self, session: &mut Session) -> Result<SensorLaw, Failure> {
         Ok(match self.sensor_law.as_str() {
-            "linear" => Law::Linear {},
-            "cny70" => Law::Cny70 {},
-            "hall" => Law::Hall { nearest_mm: self.nearest, at_rest: self.nearest_at_rest },
+            "linear" => SensorLaw::Linear {},
+            "cny70" => SensorLaw::Cny70 {},
+            "hall" => SensorLaw::Hall { nearest_mm: self.nearest, at_rest: self.nearest_at_rest },
             file => own_table(session, Path::new(file))?,
         })
     }
@@ -144,11 +273,11 @@ impl Calibrate {
             .collect();
         let unlike: Vec<_> =
             unlike(found).into_iter().map(|(key, ratio)| json!({"key": key, "range_to_median": ratio})).collect();
-        Answer::of(&json!({"law": self.sensor_law, "travel_mm": self.travel, "keys": keys, "unlike": unlike}))
+        Answer::of(&json!({"law": self.sensor_law, "travel_mm": self.travel_mm(), "keys": keys, "unlike": unlike}))
     }
 
     fn tell(&self, session: &mut Session, found: &BTreeMap<usize, Found>) {
-        print_line!(session, "{} - {} keys", shown(&self.readings), found.len());
+        print_line!(session, "{} - {} keys", shown(self.readings()), found.len());
         print_line!(session);
         let rows: Vec<Vec<String>> = found
             .iter()
@@ -170,11 +299,90 @@ impl Calibrate {
     }
 }
 
+fn microseconds(text: &str) -> Result<f64, String> {
+    let us: f64 = text.trim().parse().map_err(|_| format!("found `{text}`; expected microseconds, such as 500"))?;
+    Some(us).filter(|us| (0.0..=1e5).contains(us)).ok_or_else(|| format!("found {text}; expected 0 to 100000 us"))
+}
+
+/// A maker's own table: times between two contacts, ms, and hammer speeds, m/s.
+pub(super) fn own_speeds(session: &mut Session, path: &Path) -> Result<SpeedTable, Failure> {
+    let expected = "CSV with the header `between_ms,hammer_speed_m_per_s`";
+    let LawPoints { name, points, lines } = law_points(session, "--contact-table", path, CONTACT_HEAD, expected)?;
+    let of = |[between_ms, hammer_speed_m_per_s]: &[f64; 2]| Point {
+        between_s: 1e-3 * between_ms,
+        hammer_speed_m_per_s: *hammer_speed_m_per_s,
+        ..Point::default()
+    };
+    let points: Vec<Point> = points.iter().map(of).collect();
+    SpeedTable::new(&points).map_err(|fault| {
+        Failure::Usage(match fault {
+            ContactFault::Point(index) => format!("{name}, line {}: {fault}", lines[index]),
+            fault => format!("{name}: {fault}"),
+        })
+    })
+}
+
+/// The tables of contacts, and which depths would be better.
+fn tell_contacts(session: &mut Session, law: &ContactLaw, keyboard: &str, best: Option<([f64; 2], f64)>) {
+    print_line!(session, "{} contacts on key {PRESSED_KEY} of {keyboard}, pressed, struck and re-struck", law.count);
+    for (upper, table) in law.tables().iter().enumerate() {
+        // Every second one of many.
+        let every = table.points().len().div_ceil(13);
+        let rows = table.points().iter().step_by(every).map(|point| {
+            vec![
+                decimal(Some(1e3 * point.between_s), 2),
+                decimal(Some(point.hammer_speed_m_per_s), 3),
+                decimal(Some(Law::GOEBL.velocity(point.hammer_speed_m_per_s).counts()), 1),
+                decimal(Some(1e3 * point.delay_s), 2),
+                decimal(Some(point.touch_counts), 1),
+                decimal(Some(table.time_counts(point.between_s, law.period_s)), 1),
+            ]
+        });
+        let heads = ["between, ms", "hammer, m/s", "velocity", "impact after, ms", "touch, counts", "time, counts"];
+        print_line!(session);
+        print_line!(session, "contact {} to {}", upper + 1, law.count);
+        print_line!(session, "{}", Table::of(heads, rows.collect::<Vec<_>>()));
+    }
+    print_line!(session, "A note ends as contact {} opens.", law.off + 1);
+    if let Some(([upper_m, lower_m], counts)) = best {
+        let own = error_counts(&law.tables[0], law.period_s);
+        print_line!(
+            session,
+            "Errors are {own:.1} counts rms; contacts at {:.1} and {:.1} mm would err least: {counts:.1}.",
+            1e3 * upper_m,
+            1e3 * lower_m
+        );
+    }
+}
+
+fn contacts_answer(law: &ContactLaw, best: Option<([f64; 2], f64)>) -> Result<Answer, Failure> {
+    let tables = law.tables().iter().enumerate().map(|(upper, table)| {
+        let points = table.points().iter().map(|point| {
+            json!({
+                "between_ms": 1e3 * point.between_s,
+                "hammer_speed_m_per_s": point.hammer_speed_m_per_s,
+                "delay_ms": 1e3 * point.delay_s,
+                "touch_counts": point.touch_counts,
+                "time_counts": table.time_counts(point.between_s, law.period_s),
+            })
+        });
+        json!({"from": upper + 1, "points": points.collect::<Vec<_>>()})
+    });
+    let best = best.map(|(depths_m, counts)| json!({"depths_mm": depths_m.map(|m| 1e3 * m), "error_counts": counts}));
+    Answer::of(&json!({
+        "contacts": law.count,
+        "off": law.off + 1,
+        "tables": tables.collect::<Vec<_>>(),
+        "error_counts": error_counts(&law.tables[0], law.period_s),
+        "best": best,
+    }))
+}
+
 /// A law of one's own points: readings and millimetres, from the rest to the bottom.
-fn own_table(session: &mut Session, path: &Path) -> Result<Law, Failure> {
-    let read = law_points(session, "--sensor-law", path, "raw,mm", "linear, cny70, hall")?;
+pub(super) fn own_table(session: &mut Session, path: &Path) -> Result<SensorLaw, Failure> {
+    let read = law_points(session, "--sensor-law", path, RULER_HEAD, "linear, cny70, hall")?;
     let LawPoints { name, points, lines } = read;
-    let (law, averaged, changed) = Law::of_points(&points).map_err(|fault| {
+    let (law, averaged, changed) = SensorLaw::of_points(&points).map_err(|fault| {
         let ends = |of: usize| [points.first(), points.last()].map(|point| point.map_or(0.0, |point| point[of]));
         Failure::Usage(match fault {
             LawFault::Travel { index } => {

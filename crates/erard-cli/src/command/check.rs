@@ -12,6 +12,7 @@ use erard_workshop::validate::{Cases, Published};
 use serde_json::{Value, json};
 
 use super::check_recording::told;
+use super::check_sensors;
 use super::checked::checked;
 use super::list::built_in;
 use crate::answer::Answer;
@@ -29,11 +30,12 @@ use erard_workshop::test_press::test_presses;
 const HEADER_BYTES: u64 = 64 << 10;
 
 /// Checks a file and shows its contents: instrument, keyboard, linkage, stroke, recording, published measurements or
-/// pianos, or result.
+/// pianos, sensors' stream, profile or law, MIDI file, or result.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
-    /// File, or a built-in name: `.toml` for instruments, keyboards, linkages and measurements, `.csv` or `.parquet`
-    /// for strokes and recordings, `.json` for results
+    /// File, or a built-in name: `.toml` for instruments, keyboards, linkages, measurements and profiles of sensors,
+    /// `.csv` or `.parquet` for strokes, recordings, streams of sensors and laws, `.mid` for pieces, `.json` for
+    /// results
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
@@ -66,6 +68,7 @@ impl Check {
                 let (name, bytes) = session.inputs.bytes(&self.file)?;
                 Self::json(session, &name, &bytes)?
             }
+            "mid" | "midi" => check_sensors::piece(session, &self.file)?,
             ending if TABLES.contains(&ending) => self.table(session, ending)?,
             _ => match self.file.to_str().filter(|_| !self.file.exists()).and_then(built_in) {
                 Some(("stroke", text)) => {
@@ -75,7 +78,7 @@ impl Check {
                 Some((_, text)) => self.toml(session, &shown(&self.file), text.as_bytes())?,
                 None => {
                     return Err(Failure::Usage(format!(
-                        "{}: unknown file type; expected .toml (instrument, keyboard, linkage, published measurements), .csv or .parquet (stroke, recording), .json (result), or a built-in name (`erard list`)",
+                        "{}: unknown file type; expected .toml (instrument, keyboard, linkage, published measurements, profile of sensors), .csv or .parquet (stroke, recording, stream, law), .mid (piece), .json (result), or a built-in name (`erard list`)",
                         shown(&self.file)
                     )));
                 }
@@ -98,6 +101,8 @@ impl Check {
             Self::usual(session, name, &text)
         } else if is("erard-cases") {
             Self::cases(session, name, &text)
+        } else if is("erard-sensors") {
+            check_sensors::profile(session, name, &text)
         } else if says("format").is_none() && says("kind").is_some_and(|kind| kind == "three-lever") {
             let file = LinkageFile::parse_bytes(bytes, name)?;
             let design = file.design().map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
@@ -327,7 +332,11 @@ impl Check {
         }
         // A recording may be longer than any table of keys: its header tells it.
         let header = session.inputs.beginning(&self.file, HEADER_BYTES).unwrap_or_default();
-        if !is_table_of_keys(&String::from_utf8_lossy(&header)) {
+        let header = String::from_utf8_lossy(&header);
+        if let Some(checked) = check_sensors::table(session, &self.file, &header)? {
+            return Ok(checked);
+        }
+        if !is_table_of_keys(&header) {
             return self.stroke(session);
         }
         let (name, bytes) = session.inputs.bytes(&self.file)?;

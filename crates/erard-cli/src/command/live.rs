@@ -10,8 +10,8 @@ use std::time::Duration;
 
 use clap::Args;
 use erard::instrument_spec::Base;
-use erard_live::profile::Profile;
-use erard_live::stream::{Head, Of, Reader, Sample, SensorUnit};
+use erard_live::profile::{Profile, Sensed};
+use erard_live::stream::{Head, Of, Reader, SensorUnit};
 use erard_live::{Event, Live as Keys, LiveError, Options, SensorKind};
 use erard_workshop::cores;
 
@@ -51,6 +51,10 @@ pub(crate) struct Live {
     /// Keyboard: a TOML file, or the name of a built-in one
     #[arg(long, value_name = "KEYBOARD", default_value = "concert-grand")]
     keyboard: Base,
+    /// Rows without times, such as a converter's log: their number a second, Hz. The header names the keys of the
+    /// columns, such as `40,41`, or is `key,raw`
+    #[arg(long, value_name = "HZ", value_parser = between(Quantity::Frequency, "Hz", 20.0, 1e6), allow_hyphen_values = true)]
+    rate: Option<f64>,
     /// Device that carries the sensors
     #[arg(long, value_enum, default_value = "action")]
     sensor: Sensor,
@@ -61,7 +65,7 @@ pub(crate) struct Live {
     /// Full travel of the device, mm: it is scaled to the key's dip. For `--sensor light` and a stream in mm
     #[arg(long, value_name = "MM", value_parser = distance, allow_hyphen_values = true)]
     travel: Option<f64>,
-    /// Profile of the sensors, as `erard calibrate` writes it; for a stream of raw readings or pressures
+    /// Profile of the sensors, as `erard calibrate` writes it; for a stream of raw readings, pressures or contacts
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
     /// Send notes before the impact, as early as 0.2 ms and 1 % of its speed allow
@@ -80,7 +84,7 @@ pub(crate) struct Live {
     /// MIDI port of the system, by part of its name, instead of --out-file
     #[arg(long, value_name = "NAME")]
     midi_port: Option<String>,
-    /// Let all keys go if a pipe has sent nothing for this time, s
+    /// Let all keys go if a pipe has sent nothing for this time, s; never for contacts, which send their edges only
     #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = between(Quantity::Time, "s", 0.05, 3600.0), allow_hyphen_values = true)]
     stall: f64,
     /// Replace FILE if it exists
@@ -174,8 +178,7 @@ impl Live {
             heard.line += 1;
             let text = line.text.trim();
             if !text.is_empty() && !text.starts_with('#') {
-                let head = Head::parse(text).map_err(|fault| wrong(fault.to_string()))?;
-                return Ok(Reader::new(head));
+                return stream_reader(text, self.rate).map_err(wrong);
             }
         }
         Err(wrong("it is empty; expected a header such as `time_s,key,mm`, then a line for each sample".into()))
@@ -188,8 +191,10 @@ impl Live {
         let mut reader = self.head(&feed, &mut Heard::default())?;
         // A line that cannot be read is reported when it is played.
         for line in feed.into_iter().flatten() {
-            if let Ok(Some(Sample { of: Of::Key(key), .. })) = reader.line(&line.text) {
-                all.insert(key);
+            for sample in reader.samples(&line.text).unwrap_or_default() {
+                if let Of::Key(key) = sample.of {
+                    all.insert(key);
+                }
             }
         }
         Ok(all)
@@ -208,6 +213,29 @@ impl Live {
                 return wrong(
                     "raw readings and pressures need --calibration FILE; `erard calibrate` makes one of readings",
                 );
+            }
+            (SensorUnit::Contacts, None) => {
+                return wrong("contacts need --calibration FILE; `erard calibrate --contacts MM,MM` makes one");
+            }
+            (SensorUnit::Contacts, Some(Profile { sensed: Sensed::Contacts(_), .. }))
+                if self.ahead || self.sensor_at.is_some() =>
+            {
+                return wrong("--ahead and --sensor-at go with sensors of a key's whole travel, not with contacts");
+            }
+            (SensorUnit::Contacts, Some(Profile { sensed: Sensed::Contacts(_), .. })) => {}
+            (SensorUnit::Contacts, Some(_)) => {
+                return wrong("the calibration has no [contacts]; `erard calibrate --contacts MM,MM` makes one");
+            }
+            (_, Some(Profile { sensed: Sensed::Contacts(_), .. })) => {
+                return wrong("the calibration is one of contacts; expected the header `time_us,key,contact,state`");
+            }
+            (quantity, Some(Profile { sensed: Sensed::Hammers(_), .. })) => {
+                if quantity != SensorUnit::Raw {
+                    return wrong("the calibration is one of hammers; expected the header `time_us,key,raw`");
+                }
+                if self.ahead || self.sensor_at.is_some() {
+                    return wrong("--ahead and --sensor-at go with sensors of keys, not of hammers");
+                }
             }
             (SensorUnit::Pressure, Some(profile)) if !profile.pressure_is_depth => {
                 return wrong(
@@ -262,7 +290,7 @@ impl Live {
             let line = match feed.recv_timeout(Duration::from_secs_f64(self.stall)) {
                 Ok(line) => line,
                 Err(RecvTimeoutError::Disconnected) => break,
-                Err(RecvTimeoutError::Timeout) if waits || is_file || keys.are_up() => continue,
+                Err(RecvTimeoutError::Timeout) if waits || is_file || keys.is_sparse() || keys.are_up() => continue,
                 Err(RecvTimeoutError::Timeout) => {
                     waits = true;
                     let begins_s = keys.begins_s();
@@ -273,13 +301,12 @@ impl Live {
             let line = line.map_err(|error| Failure::Usage(format!("{}: cannot be read: {error}", self.name())))?;
             waits = false;
             heard.line += 1;
-            match reader.line(&line.text) {
-                Ok(None) if reader.take_restart() => {
+            match reader.samples(&line.text) {
+                Ok(samples) if samples.is_empty() && reader.take_restart() => {
                     clock = Clock::new();
                     keys.restart();
                 }
-                Ok(None) => {}
-                Ok(Some(sample)) => {
+                Ok(samples) => samples.into_iter().for_each(|sample| {
                     clock.came(sample.time_s, line.came);
                     let begins_s = keys.begins_s();
                     keys.take(&sample, &mut |event| {
@@ -291,7 +318,7 @@ impl Live {
                             heard.late_s.push(clock.since_s(time_s));
                         }
                     });
-                }
+                }),
                 Err(fault) => {
                     heard.malformed += 1;
                     heard.first.get_or_insert_with(|| (heard.line, fault.to_string()));
@@ -415,6 +442,22 @@ impl Live {
             summary.text().into_iter().for_each(|line| print_line!(session, "{line}"));
         }
         Ok(answer)
+    }
+}
+
+/// The reader of a stream's lines after its first one; with a rate, Hz, of rows without times.
+///
+/// # Errors
+/// What is wrong with the first line.
+pub(super) fn stream_reader(first: &str, rate_hz: Option<f64>) -> Result<Reader, String> {
+    match (Head::parse(first), rate_hz) {
+        (Ok(_), Some(_)) => Err(format!("the first line is `{first}`: it has times; expected no --rate")),
+        (Ok(head), None) => Ok(Reader::new(head)),
+        (Err(_), Some(rate_hz)) => Reader::of_rows(first, rate_hz).map_err(|fault| fault.to_string()),
+        (Err(fault), None) if Reader::of_rows(first, 1.0).is_ok() => {
+            Err(format!("{fault}. Rows without times need their number a second, --rate HZ"))
+        }
+        (Err(fault), None) => Err(fault.to_string()),
     }
 }
 

@@ -5,6 +5,7 @@ mod calibrate;
 mod cases;
 mod check;
 mod check_recording;
+mod check_sensors;
 mod checked;
 mod compare;
 mod diagnose;

@@ -29,8 +29,10 @@ use crate::session::Session;
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/play.txt");
+/// Header of a law of one's own.
+pub(super) const LAW_HEAD: &str = "m_per_s,velocity";
 /// No longer files are read, bytes.
-const MAX_BYTES: u64 = 16 << 20;
+pub(super) const MAX_BYTES: u64 = 16 << 20;
 
 /// Plays a MIDI file on the simulated keys of a keyboard, and says which notes are lost and why.
 #[derive(Debug, Args)]
@@ -106,7 +108,7 @@ impl Play {
     fn law_points(&self, session: &mut Session) -> Result<Option<LawPoints>, Failure> {
         let is_own = self.law != "logarithmic" && !self.law.starts_with("linear:");
         let file = is_own.then(|| Path::new(&self.law));
-        file.map(|path| law_points(session, "--law", path, "m_per_s,velocity", "logarithmic, linear:V")).transpose()
+        file.map(|path| law_points(session, "--law", path, LAW_HEAD, "logarithmic, linear:V")).transpose()
     }
 
     fn law<'l>(&self, points: &'l Option<LawPoints>) -> Result<Law<'l>, Failure> {

@@ -9,7 +9,7 @@ use erard::instrument_spec::InstrumentSpec;
 use erard::key::{UnknownKey, keys_named};
 use erard::keyboard::{KEYS, Keyboard};
 use erard_midi::Law;
-use erard_piece::scan::{Case, MAX_RATE_HZ, Scans, Sensor, Truth, play_cases};
+use erard_piece::scan::{Case, MAX_RATE_HZ, Scans, Sensor, Shank, Truth, play_cases};
 use erard_piece::{Options, Score, perform};
 use erard_workshop::cores;
 use erard_workshop::measure::MeasureError;
@@ -50,6 +50,9 @@ pub(crate) struct Scan {
     /// spreads of its file
     #[arg(long, value_name = "KEYBOARD", default_value = "concert-grand:sample=1")]
     keyboard: InstrumentSpec,
+    /// The sensors read the hammers' shanks instead of the keys
+    #[arg(long)]
+    hammers: bool,
     /// Leave the keys as they are: without what a technician leaves of differences between them
     #[arg(long)]
     no_scatter: bool,
@@ -127,8 +130,14 @@ impl Scan {
         };
         let played = self.played(score.as_ref());
         let instruments = self.instruments(session, &keyboard, sample.unwrap_or(0), &played)?;
-        let travels_m = travels_m(&keyboard.name, &instruments, &played)?;
-        let scans = Scans::new(&sensors, travels_m.clone(), u64::from(self.seed));
+        let shanks = if self.hammers { shanks(&keyboard.name, &instruments, &played)? } else { Vec::new() };
+        let (travels_m, scans) = if self.hammers {
+            let travels_m = shanks.iter().map(|shank| shank.map_or(f64::INFINITY, |shank| shank.way_m)).collect();
+            (travels_m, Scans::of_hammers(&sensors, shanks, u64::from(self.seed)))
+        } else {
+            let travels_m = travels_m(&keyboard.name, &instruments, &played)?;
+            (travels_m.clone(), Scans::new(&sensors, travels_m, u64::from(self.seed)))
+        };
         let truth = self.play(session, score.as_ref(), &keyboard.name, &instruments, &scans)?;
         let asked = self.keyboard.to_string();
         let scanned = Scanned {
@@ -141,6 +150,7 @@ impl Scan {
             seed: self.seed,
             instruments: &instruments,
             travels_m: &travels_m,
+            are_hammers: self.hammers,
             played: &played,
             sensors: &sensors,
             truth: &truth,
@@ -256,4 +266,15 @@ fn travels_m(keyboard: &str, instruments: &[Instrument], played: &[usize]) -> Re
         travels_m[key - 1] = found.map_err(|error| Failure::Usage(format!("{keyboard}, key {key}: {error}")))?;
     }
     Ok(travels_m)
+}
+
+/// The hammers of the keys that are played.
+fn shanks(keyboard: &str, instruments: &[Instrument], played: &[usize]) -> Result<Vec<Option<Shank>>, Failure> {
+    let mut shanks = vec![None; instruments.len()];
+    for &key in played {
+        let wrong = |what: String| Failure::Usage(format!("{keyboard}, key {key}: {what}"));
+        let found = Shank::of(&instruments[key - 1]).map_err(|error| wrong(error.to_string()))?;
+        shanks[key - 1] = Some(found.ok_or_else(|| wrong("no hammer that meets a string".into()))?);
+    }
+    Ok(shanks)
 }

@@ -46,6 +46,11 @@ impl StreamSummary {
                 lines.push(format!("  {count} {what}"));
             }
         };
+        counted(r.lifts, "rises of hammers that turned before their stops: no notes");
+        counted(r.bounces, "changes of contacts that were bounces");
+        counted(r.untimed_strokes, "strokes without a note: no upper contact had opened and closed again");
+        counted(r.slow_strokes, "strokes too slow to throw a hammer to its string");
+        counted(r.swapped_contacts, "contacts that closed after the one below them");
         counted(r.limited_strokes, "strokes limited, whose hammers would have been faster than 8 m/s");
         counted(r.deep_samples, "samples deeper than the key goes");
         counted(r.out_of_order, "samples skipped: not later than their key's last one");

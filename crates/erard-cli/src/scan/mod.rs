@@ -7,7 +7,7 @@ use std::io::Write;
 
 use erard::instrument::Instrument;
 use erard::keyboard::{Keyboard, note_name};
-use erard_live::profile::Profile;
+use erard_live::profile::{Profile, Sensed};
 use erard_live::sensor::Law as SensorLaw;
 use erard_midi::Law;
 use erard_piece::Score;
@@ -30,8 +30,9 @@ pub(crate) struct Scanned<'a> {
     pub has_scatter: bool,
     pub seed: u32,
     pub instruments: &'a [Instrument],
-    /// Travel of each key's front, m.
+    /// Travel of each key's front, or of its hammer's head, m.
     pub travels_m: &'a [f64],
+    pub are_hammers: bool,
     /// Keys that are played, from 1.
     pub played: &'a [usize],
     pub sensors: &'a [Sensor],
@@ -76,7 +77,9 @@ impl Scanned<'_> {
         for bits in bits.into_keys() {
             let keys = self.played.iter().map(|key| (*key, stops(bits))).collect();
             let travel_m = self.known_travel_m();
-            let profile = Profile { law: SensorLaw::Linear {}, travel_m, pressure_is_depth: false, keys };
+            let law = SensorLaw::Linear {};
+            let sensed = if self.are_hammers { Sensed::Hammers(None) } else { Sensed::Keys };
+            let profile = Profile { sensed, law, travel_m, pressure_is_depth: false, keys };
             output.text(session, &profile_name(bits), &profile.text())?;
         }
         output.table(session, "truth.csv", &self.strikes())?;

@@ -43,12 +43,16 @@ pub(crate) fn json(scanned: &Scanned<'_>, readings: &[usize]) -> Value {
             json!({ "case": case, "windows": windows, "impact_count": strikes, "again": again })
         })
         .collect();
+    let (place, one) =
+        if scanned.are_hammers { ("at the shanks", "hammer") } else { ("under the keys' fronts", "key") };
     json!({
         "format": "erard-scan/1",
         "about": [
-            "scan-*.csv: readings of sensors under the keys' fronts, as `erard live` reads them; a key is sent while it \
-             is off its rest, and 30 ms before and after",
-            "profile-*.toml: the readings at the two stops of each key, for `erard live --calibration`",
+            format!(
+                "scan-*.csv: readings of sensors {place}, as `erard live` reads them; a {one} is sent while it is off its \
+                 rest, and 30 ms before and after"
+            ),
+            format!("profile-*.toml: the readings at the two stops of each {one}, for `erard live --calibration`"),
             "truth.csv: strikes of hammers on strings, from the simulated actions; `again` 1: the hammer bounced",
             "windows.csv: what was played when; a window without strikes is one in which no note belongs",
         ],

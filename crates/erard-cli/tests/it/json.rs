@@ -235,6 +235,7 @@ const CALLS: &[(&str, &[&[&str]])] = &[
         ],
     ),
     ("calibrate", &[&["calibrate", "readings.csv", "--out-file", "profile.toml", "--force"]]),
+    ("calibrate-contacts", &[&["calibrate", "--contacts", "3,6.5", "--out-file", "contacts.toml", "--force"]]),
     (
         "play",
         &[

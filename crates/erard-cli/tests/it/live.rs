@@ -330,3 +330,162 @@ fn a_rulers_table_is_a_law() {
     let said = folder.bad(&["calibrate", "readings.csv", "--sensor-law", "flat.csv"]);
     assert!(Folder::words(&said).contains("flat.csv: readings from 500 at 0 mm to 500 at 10 mm do not rise"), "{said}");
 }
+
+/// Two contacts a key: a profile from the simulated action, edges that bounce, one note each; a maker's own table in
+/// its place; what does not fit is refused.
+#[test]
+fn contacts_become_notes() {
+    let folder = Folder::new("live-contacts");
+    let said = folder.good_words(&["calibrate", "--contacts", "3,6.5", "--scan-period", "250"]);
+    for part in ["contact 1 to 2", "touch, counts", "A note ends as contact 1 opens.", "would err least"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let edges = "time_us,key,contact,state\n1000000,C4,1,made\n1000250,C4,1,open\n1000500,C4,1,made\n\
+                 1016400,C4,2,made\n1300000,C4,2,open\n1320000,C4,1,open\n1400000,sustain,1\n\
+                 9000000,52,1,made\n9004000,52,2,made\n9100000,52,2,open\n9120000,52,1,open\n";
+    folder.file("edges.csv", edges);
+    let said = folder.good(&["live", "edges.csv", "--calibration", "contacts.toml", "--out-file", "notes.csv"]);
+    assert!(said.contains("2 note-ons, 2 note-offs") && said.contains("2 changes of contacts that were"), "{said}");
+    let notes = |name: &str| -> Vec<Vec<String>> {
+        let text = folder.read(name);
+        text.lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let simulated = notes("notes.csv");
+    let speed = |rows: &[Vec<String>], i: usize| rows[i][3].parse::<f64>().unwrap();
+    // About what the table says at 16.4 ms, and more than twice as fast.
+    assert!((1.5..2.4).contains(&speed(&simulated, 0)) && speed(&simulated, 1) > 4.0, "{simulated:?}");
+    folder.file("maker.csv", "between_ms,hammer_speed_m_per_s\n4,5\n16.4,1.25\n80,0.3\n");
+    let own = ["calibrate", "--contacts", "3,6.5", "--contact-table", "maker.csv", "--out-file", "maker.toml"];
+    folder.good(&own);
+    folder.good(&["live", "edges.csv", "--calibration", "maker.toml", "--out-file", "own.csv"]);
+    assert!((speed(&notes("own.csv"), 0) - 1.25).abs() < 1e-3 && (speed(&notes("own.csv"), 1) - 5.0).abs() < 1e-3);
+
+    folder.file("falls.csv", "between_ms,hammer_speed_m_per_s\n4,5\n# faster\n16.4,6\n");
+    folder.file("raw.csv", "time_us,key,raw\n0,40,1\n");
+    for (arguments, part) in [
+        (&["calibrate"][..], "READINGS.csv"),
+        (&["calibrate", "--out-file", "o.toml", "--contacts", "3"], "--contacts: 1 contacts; expected 2 or 3"),
+        (&["calibrate", "--out-file", "o.toml", "--contacts", "6,3"], "found 3 mm; expected depths"),
+        (&["calibrate", "--out-file", "o.toml", "--contacts", "3,14"], "within the key's dip"),
+        (
+            &["calibrate", "--out-file", "o.toml", "--contacts", "3,6", "--scan-phases", "0,2000"],
+            "--scan-phases: found 0.002 s",
+        ),
+        (
+            &["calibrate", "--out-file", "o.toml", "--contacts", "3,6", "--scan-phases", "0"],
+            "1 phases; expected one for each of 2",
+        ),
+        (
+            &["calibrate", "--out-file", "o.toml", "--contacts", "3,6", "--contact-table", "falls.csv"],
+            "falls.csv, line 4: point 2",
+        ),
+        (&["live", "edges.csv", "--out-file", "o.mid"], "calibrate --contacts"),
+        (&["live", "edges.csv", "--calibration", "contacts.toml", "--ahead", "--out-file", "o.mid"], "--ahead"),
+        (&["live", "raw.csv", "--calibration", "contacts.toml", "--out-file", "o.mid"], "time_us,key,contact,state"),
+    ] {
+        let said = Folder::words(&folder.bad(arguments));
+        assert!(said.contains(part), "{arguments:?}: {said}");
+    }
+}
+
+/// Hammers that rise to their strings and fall back, with a sensor at each key: calibrated by being held, played with
+/// their releases; the same as rows without times; what does not fit is refused.
+#[test]
+fn sensed_hammers_become_notes() {
+    let folder = Folder::new("live-hammers");
+    // A head is brought to its string within 1.5 s and held there, and later thrown at 2 m/s; the key is down for 0.2
+    // s.
+    let rate = 2000.0;
+    let head = |t: f64| match t - 3.0 {
+        _ if (0.3..1.8).contains(&t) => (t - 0.3) / 1.5,
+        _ if (1.8..2.1).contains(&t) => 1.0,
+        t if (0.0..0.023).contains(&t) => t / 0.023,
+        t if (0.023..0.05).contains(&t) => 1.0 - (t - 0.023) / 0.046,
+        t if (0.05..0.25).contains(&t) => 0.41,
+        t if (0.25..0.3).contains(&t) => 0.41 * (0.3 - t) / 0.05,
+        _ => 0.0,
+    };
+    let key = |t: f64| match t - 3.0 {
+        _ if (1.8..2.1).contains(&t) => 1.0,
+        t if (0.0..0.025).contains(&t) => t / 0.025,
+        t if (0.025..0.23).contains(&t) => 1.0,
+        t if (0.23..0.28).contains(&t) => (0.28 - t) / 0.05,
+        _ => 0.0,
+    };
+    let [mut timed, mut rows] = ["time_us,key,raw\n", "C4,C4:release\n"].map(str::to_owned);
+    for k in 0..8000_u32 {
+        let t = f64::from(k) / rate;
+        let [head, key] = [3000.0 - 2000.0 * head(t), 100.0 + 800.0 * key(t)];
+        timed.push_str(&format!("{},40,{head:.0}\n{},40:release,{key:.0}\n", 500 * k, 500 * k));
+        rows.push_str(&format!("{head:.0},{key:.0}\n"));
+    }
+    folder.file("timed.csv", &timed);
+    folder.file("rows.csv", &rows);
+    folder.good(&["calibrate", "timed.csv", "--hammers", "--release-travel", "10", "--out-file", "a.toml"]);
+    folder.good(&[
+        "calibrate",
+        "rows.csv",
+        "--hammers",
+        "--release-travel",
+        "10",
+        "--rate",
+        "2000",
+        "--out-file",
+        "b.toml",
+    ]);
+    let profile = folder.read("a.toml");
+    assert_eq!(profile, folder.read("b.toml"));
+    for part in ["sensed = \"hammers\"", "travel_mm = 46", "rest = 3000", "release_pressed = 900"] {
+        assert!(profile.contains(part), "{part}: {profile}");
+    }
+    let said = folder.good(&["live", "timed.csv", "--calibration", "a.toml", "--out-file", "timed-notes.csv"]);
+    // Its own hand holds the head at the string without a speed: one note.
+    assert!(said.contains("1 note-ons, 1 note-offs"), "{said}");
+    let arguments = ["live", "rows.csv", "--calibration", "a.toml", "--rate", "2000", "--out-file", "rows-notes.csv"];
+    folder.good(&arguments);
+    let notes = folder.read("timed-notes.csv");
+    assert_eq!(notes, folder.read("rows-notes.csv"));
+    let row: Vec<&str> = notes.lines().nth(1).unwrap().split(',').collect();
+    let number = |i: usize| row[i].parse::<f64>().unwrap();
+    // 46 mm in 23 ms, less what gravity takes on the last millimetres.
+    assert!((number(2) - 3.023).abs() < 1e-3 && (1.9..2.02).contains(&number(3)) && number(5) < 3.28, "{notes}");
+    // The key comes up 10 mm in 50 ms.
+    assert!((number(6) - 64.0).abs() < 3.0, "{notes}");
+
+    folder.file("mm.csv", "time_s,key,mm\n0,40,1\n");
+    folder.file("two.csv", "40,41\n1,2\n1,2,3\n");
+    for (arguments, part) in [
+        (&["live", "rows.csv", "--calibration", "a.toml", "--out-file", "o.mid"][..], "--rate HZ"),
+        (&["live", "timed.csv", "--calibration", "a.toml", "--rate", "2000", "--out-file", "o.mid"], "no --rate"),
+        (&["live", "mm.csv", "--calibration", "a.toml", "--out-file", "o.mid"], "one of hammers"),
+        (&["live", "timed.csv", "--calibration", "a.toml", "--ahead", "--out-file", "o.mid"], "not of hammers"),
+        (&["calibrate", "timed.csv"], "expected --hammers"),
+        (&["calibrate", "timed.csv", "--hammers"], "--release-travel MM"),
+        (&["calibrate", "two.csv", "--rate", "1000"], "two.csv, line 3: 3 cells; expected 2, as in the header"),
+        (&["calibrate", "two.csv"], "--rate HZ"),
+    ] {
+        let said = Folder::words(&folder.bad(arguments));
+        assert!(said.contains(part), "{arguments:?}: {said}");
+    }
+    // `check` knows what these commands read.
+    let law = "m_per_s,velocity\n0.5,20\n5,110\n";
+    for (name, text) in [("ruler.csv", "raw,mm\n1,0\n2,5\n"), ("law.csv", law)] {
+        folder.file(name, text);
+    }
+    folder.file("maker.csv", "between_ms,hammer_speed_m_per_s\n4,5\n80,0.3\n");
+    folder.file("faulty.csv", "between_ms,hammer_speed_m_per_s\n4,5\n80,7\n");
+    folder.good(&["live", "timed.csv", "--calibration", "a.toml", "--out-file", "take.mid"]);
+    for (name, part) in [
+        ("timed.csv", "16000 samples of 1 keys, 0 to 3.9995 s"),
+        ("a.toml", "1 hammers, 1 with a sensor of releases"),
+        ("ruler.csv", "erard calibrate --sensor-law ruler.csv"),
+        ("law.csv", "erard play --law law.csv"),
+        ("maker.csv", "erard calibrate --contact-table maker.csv"),
+        ("take.mid", "1 notes on 1 keys"),
+    ] {
+        let said = folder.good_words(&["check", name]);
+        assert!(said.contains(part), "{name}: {said}");
+    }
+    assert!(Folder::words(&folder.bad(&["check", "faulty.csv"])).contains("faulty.csv, line 3: point 2"));
+    assert!(Folder::words(&folder.bad(&["check", "law.mid"])).contains("law.mid"));
+}

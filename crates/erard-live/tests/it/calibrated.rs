@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use erard_live::calibrate::{Readings, StopsFault, stops};
-use erard_live::profile::{Profile, Stops};
+use erard_live::profile::{Profile, Sensed, Stops};
 use erard_live::sensor::{CNY70, Law, LawFault};
 
 /// Columns of a recording of the Kawai KG-3C beside this crate: times, and the key's as read or in mm.
@@ -36,6 +36,7 @@ fn a_measured_key_comes_out_in_millimetres() {
     // The stops of the ruler's table, 0.3 and 0.88; the reading at rest is 0.0017 of that range above the first. The
     // smooth curve through the marks ends at 11.67 mm.
     let ruler = Profile {
+        sensed: Sensed::Keys,
         law: Law::Cny70 {},
         travel_m: 11.67e-3,
         pressure_is_depth: false,
@@ -63,6 +64,7 @@ fn a_measured_key_comes_out_in_millimetres() {
 #[test]
 fn drift_is_followed() {
     let profile = Profile {
+        sensed: Sensed::Keys,
         law: Law::Linear {},
         travel_m: 0.01,
         pressure_is_depth: false,
@@ -116,6 +118,7 @@ fn laws_rise_from_stop_to_stop() {
 #[test]
 fn profiles_are_written_and_read() {
     let profile = Profile {
+        sensed: Sensed::Keys,
         law: Law::Table { points: vec![[0.0, 0.0], [0.25, 0.5], [1.0, 1.0]] },
         travel_m: 9.7e-3,
         pressure_is_depth: true,

@@ -1,11 +1,53 @@
 //! Presses whose hammer is known, as a sensor at the key sees them.
 
+use erard::player::{Hand, Joints};
+use erard::stroke::least_jerk;
+use erard::{Input, Instrument};
 use erard_live::stream::{Of, Sample, SensorUnit};
 use erard_live::{Event, Live, Options, SensorKind};
 
 pub use crate::press::{GRAND, Press};
 
 impl Press {
+    /// A finger of 100 g that follows a path from the key's rest: legs of least jerk, each a duration, s, and a depth,
+    /// m.
+    pub fn along(instrument: &Instrument, path: &[[f64; 2]]) -> Self {
+        let finger = Hand {
+            mass_kg: 0.1,
+            stiffness_n_per_m: 6000.0,
+            damping_n_s_per_m: 35.0,
+            start_m: 0.0,
+            start_m_per_s: 0.0,
+            joints: Joints::STIFF,
+        };
+        let place = |t: f64| {
+            let (mut from_s, mut from_m) = (0.0, 0.0);
+            for &[takes_s, to_m] in path {
+                if t < from_s + takes_s {
+                    let [x, v] = least_jerk((t - from_s) / takes_s);
+                    return [from_m + (to_m - from_m) * x, (to_m - from_m) * v / takes_s];
+                }
+                (from_s, from_m) = (from_s + takes_s, to_m);
+            }
+            [from_m, 0.0]
+        };
+        let lasts_s = path.iter().map(|[s, _]| s).sum::<f64>() + 0.3;
+        Press::played(instrument, lasts_s, (0.0, 0.0), |t| {
+            let [position_m, velocity_m_per_s] = place(t);
+            finger.input(&Input::Motion { position_m, velocity_m_per_s }).unwrap()
+        })
+    }
+
+    /// Where the hammer's head is at an instant, m above its rest.
+    pub fn head(&self, t: f64) -> f64 {
+        self.of(&self.head_m, t)
+    }
+
+    /// How long it lasts, s.
+    pub fn lasts_s(&self) -> f64 {
+        self.h * (self.key_m.len() - 1) as f64
+    }
+
     /// As a sensor sends it: `rate` samples a second, the first `from_s` after the press began, rounded to steps, mm.
     pub fn sensed(&self, key: usize, begins_s: f64, rate: f64, phase_s: f64, step_mm: f64) -> Vec<Sample> {
         let count = (0.9 * rate) as u32;

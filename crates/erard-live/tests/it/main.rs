@@ -5,8 +5,10 @@ mod calibrated;
 mod chip;
 mod clocks;
 mod common;
+mod contacts;
 #[path = "../../../erard/tests/common/generated.rs"]
 mod generated;
+mod hammers;
 mod limited;
 mod played;
 mod press;

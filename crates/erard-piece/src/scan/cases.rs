@@ -3,6 +3,7 @@
 use erard::Progress;
 use erard::damper::DamperHeights;
 use erard::instrument::Instrument;
+use erard_live::blow_m;
 use erard_workshop::cores;
 
 use super::finger::{self, Leg};
@@ -168,12 +169,21 @@ pub fn play_cases(
         let (damper_m, sampler) = (dampers.of(key)?, scans.sampler(key));
         let (mut truth, mut from_s) = (Truth::default(), begins_s);
         let brisk = brisk(instrument);
+        // Its hammer rests elsewhere below the same string, and a sensor of hammers sees that.
+        let lifted_m = if scans.are_hammers() && cases.contains(&Case::Bobbling) {
+            let blow_m = |of: &Instrument| {
+                Ok::<_, PerformError>(blow_m(of).map_err(|error| PerformError::Action { key, error })?.unwrap_or(0.0))
+            };
+            blow_m(instrument)? - blow_m(&brisk)?
+        } else {
+            0.0
+        };
         for &case in cases {
             let mut random = fastrand::Rng::with_seed(seed << 16 ^ (case as u64) << 8 ^ key as u64);
             for step in 0..case.times() {
                 let path = case.path(step, &mut random);
                 let own = (key, truth.windows.len(), damper_m);
-                let action = if case == Case::Bobbling { &brisk } else { instrument };
+                let action = if case == Case::Bobbling { (&brisk, lifted_m) } else { (instrument, 0.0) };
                 let (strikes, to_s) = finger::play(action, [from_s, TAIL_S], &path, own, &sampler, progress)?;
                 truth.windows.push(Window { key, case: case.name(), from_s, to_s });
                 truth.strikes.extend(strikes);

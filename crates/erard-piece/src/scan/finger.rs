@@ -32,10 +32,11 @@ const ASK_EVERY: u64 = 512;
 /// A piece of a finger's path, of least jerk: its duration, s, and its final depth, m below the key front's rest.
 pub(super) type Leg = [f64; 2];
 
-/// Drives a finger along a path on an action at rest, from an instant, s, and for a while after its end, s. Returns the
-/// strikes of the window and its end, s.
+/// Drives a finger along a path on an action at rest, whose hammer rests so far above that of the sensors' action, m.
+/// It begins at an instant, s, and goes on for a while after the path's end, s. Returns the strikes of the window and
+/// its end, s.
 pub(super) fn play(
-    instrument: &Instrument,
+    (instrument, lifted_m): (&Instrument, f64),
     [begins_s, tail_s]: [f64; 2],
     path: &[Leg],
     (key, window, damper_m): (usize, usize, f64),
@@ -64,7 +65,7 @@ pub(super) fn play(
         if reading.outcome == StepOutcome::NonFinite {
             return Err(PerformError::NotFinite { time_s: now_s });
         }
-        sampler.take(now_s, reading.key_m);
+        sampler.take(now_s, [reading.key_m, lifted_m + reading.hammer_rise_m]);
         deepest_m = deepest_m.max(reading.key_m);
         risen_m = risen_m.max(deepest_m - reading.key_m);
         let hit = reading.impact.map(|hit| [now_s + (hit.time_s - action.time_s()), hit.hammer_speed_m_per_s]);

@@ -1,5 +1,5 @@
-//! Readings of sensors under the keys while a piece or a case is played, together with the ground truth: for builders
-//! who derive notes from sensors.
+//! Readings of sensors under the keys, or at the hammers, while a piece or a case is played, together with the ground
+//! truth: for builders who derive notes from sensors.
 //!
 //! - [`Sensor`], [`Scans`]: bits, rate and noise of a sensor; the readings of all keys, sample by sample;
 //! - [`Case`], [`play_cases`]: motions of a finger that mislead simple algorithms, played on simulated actions;
@@ -12,5 +12,5 @@ mod sensor;
 mod truth;
 
 pub use cases::{Case, play_cases};
-pub use sensor::{MAX_RATE_HZ, Reading, Scans, Sensor, stops};
+pub use sensor::{MAX_RATE_HZ, Reading, Scans, Sensor, Shank, stops};
 pub use truth::{Strike, Truth, Window};

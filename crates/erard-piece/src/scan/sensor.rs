@@ -1,13 +1,20 @@
-//! Sensors under the keys' fronts: a converter's readings of the travel, scan by scan.
+//! Sensors under the keys' fronts or at the hammers' shanks: a converter's readings of the travel, scan by scan.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use erard::Action;
+use erard::instrument::Instrument;
 use erard::keyboard::KEYS;
+use erard::player::ActionError;
+use erard_live::blow_m;
 use erard_live::profile::Stops;
 
 use crate::sink::{Block, Sink};
+
+/// Column of a row that holds the rise of the hammer.
+const RISE: usize = 4;
 
 /// Highest rate of a sensor, Hz: that of an action's steps.
 pub const MAX_RATE_HZ: f64 = 20_000.0;
@@ -114,10 +121,51 @@ fn normal(random: &mut fastrand::Rng) -> f64 {
     libm::sqrt(-2.0 * libm::log(u)) * libm::cos(std::f64::consts::TAU * v)
 }
 
+/// A hammer's head on its arc.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shank {
+    /// Distance of the point that strikes from the shank's pin, m.
+    radius_m: f64,
+    /// That point's height above the pin at rest, m.
+    height_m: f64,
+    /// Its way on the arc from its rest to the string, m.
+    pub way_m: f64,
+}
+
+impl Shank {
+    /// Of an instrument's hammer; `None` where none meets a string.
+    ///
+    /// # Errors
+    /// [`ActionError`].
+    pub fn of(instrument: &Instrument) -> Result<Option<Self>, ActionError> {
+        let (roles, bodies) = (&instrument.roles, &instrument.bodies);
+        let (Some(hammer), Some(blow_m)) = (roles.hammer, blow_m(instrument)?) else { return Ok(None) };
+        // The pin on the ground about which it turns.
+        let mut shank = hammer;
+        while let Some(parent) = bodies[shank].parent {
+            shank = parent;
+        }
+        let action = Action::new(instrument)?;
+        let places = [(hammer, roles.hammer_strike_point_m), (shank, [0.0; 2])];
+        let [Ok(head), Ok(pin)] = places.map(|(body, at)| action.point(Some(body), at)) else { return Ok(None) };
+        let (radius_m, height_m) = ((head[0] - pin[0]).hypot(head[1] - pin[1]), head[1] - pin[1]);
+        let shank = Shank { radius_m, height_m, way_m: 0.0 };
+        Ok(Some(Shank { way_m: shank.arc_m(blow_m), ..shank }))
+    }
+
+    /// Way on the arc, m, at a rise, m.
+    fn arc_m(&self, rise_m: f64) -> f64 {
+        let angle = |height_m: f64| libm::asin((height_m / self.radius_m).clamp(-1.0, 1.0));
+        self.radius_m * (angle(self.height_m + rise_m) - angle(self.height_m))
+    }
+}
+
 /// All sensors of one key.
 #[derive(Debug)]
 pub(super) struct Sampler {
     travel_m: f64,
+    /// The hammer, where that is sensed.
+    shank: Option<Shank>,
     channels: Vec<Channel>,
     /// The last place, s and m.
     last: [f64; 2],
@@ -125,13 +173,18 @@ pub(super) struct Sampler {
 }
 
 impl Sampler {
-    /// Takes the position of the key's front, m, at an instant, s. Between two positions it moves linearly.
-    pub(super) fn take(&mut self, time_s: f64, key_m: f64) {
-        let to = [time_s, key_m];
+    /// Takes the position of the key's front and the rise of the hammer, m, at an instant, s. Between two positions
+    /// they move linearly.
+    pub(super) fn take(&mut self, time_s: f64, [key_m, rise_m]: [f64; 2]) {
+        self.take_sensed(time_s, self.shank.map_or(key_m, |shank| shank.arc_m(rise_m)));
+    }
+
+    fn take_sensed(&mut self, time_s: f64, sensed_m: f64) {
+        let to = [time_s, sensed_m];
         for channel in &mut self.channels {
             channel.follow(self.last, to, self.travel_m, self.off_until_s);
         }
-        if key_m > OFF_M {
+        if sensed_m > OFF_M {
             self.off_until_s = time_s;
         }
         self.last = to;
@@ -145,6 +198,8 @@ pub struct Scans {
     seed: u64,
     /// Travel of each key's front between its stops, m, from the lowest key.
     travels_m: Vec<f64>,
+    /// Hammers, from the lowest, where these are sensed.
+    shanks: Vec<Option<Shank>>,
     samplers: Mutex<BTreeMap<usize, Arc<Mutex<Sampler>>>>,
 }
 
@@ -154,7 +209,7 @@ impl Sink for Sampling {
     fn take(&mut self, block: Block) -> io::Result<()> {
         if let Block::Rows(rows) = block {
             let mut sampler = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-            rows.iter().for_each(|row| sampler.take(row[0], row[1]));
+            rows.iter().for_each(|row| sampler.take(row[0], [row[1], row[RISE]]));
         }
         Ok(())
     }
@@ -165,7 +220,20 @@ impl Scans {
     /// noise.
     #[must_use]
     pub fn new(sensors: &[Sensor], travels_m: Vec<f64>, seed: u64) -> Self {
-        Scans { sensors: sensors.to_vec(), seed, travels_m, samplers: Mutex::default() }
+        Scans { sensors: sensors.to_vec(), seed, travels_m, shanks: Vec::new(), samplers: Mutex::default() }
+    }
+
+    /// Sensors of hammers, from the lowest key; `None` for keys that are not played. The same seed gives the same
+    /// noise.
+    #[must_use]
+    pub fn of_hammers(sensors: &[Sensor], shanks: Vec<Option<Shank>>, seed: u64) -> Self {
+        let travels_m = shanks.iter().map(|shank| shank.map_or(f64::INFINITY, |shank| shank.way_m)).collect();
+        Scans { shanks, ..Scans::new(sensors, travels_m, seed) }
+    }
+
+    /// Whether hammers are sensed.
+    pub(super) fn are_hammers(&self) -> bool {
+        !self.shanks.is_empty()
     }
 
     /// The sampler of a key, always the same one.
@@ -182,7 +250,8 @@ impl Scans {
             };
             let travel_m = self.travels_m.get(key - 1).copied().unwrap_or(f64::INFINITY);
             let channels = self.sensors.iter().enumerate().map(channel).collect();
-            Arc::new(Mutex::new(Sampler { travel_m, channels, last: [0.0; 2], off_until_s: f64::NEG_INFINITY }))
+            let shank = self.shanks.get(key - 1).copied().flatten();
+            Arc::new(Mutex::new(Sampler { travel_m, shank, channels, last: [0.0; 2], off_until_s: f64::NEG_INFINITY }))
         };
         let mut samplers = self.samplers.lock().unwrap_or_else(PoisonError::into_inner);
         Arc::clone(samplers.entry(key).or_insert_with(make))
@@ -204,7 +273,7 @@ impl Scans {
             let mut sampler = sampler.lock().unwrap_or_else(PoisonError::into_inner);
             // What was sent last is followed by its margin.
             let [last_s, last_m] = sampler.last;
-            sampler.take(last_s + MARGIN_S, last_m);
+            sampler.take_sensed(last_s + MARGIN_S, last_m);
             for (own, channel) in all.iter_mut().zip(&mut sampler.channels) {
                 own.append(&mut channel.sent);
             }

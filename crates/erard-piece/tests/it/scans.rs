@@ -1,7 +1,7 @@
 //! Scans of sensors, and the truth beside them.
 
 use erard_live::profile::Stops;
-use erard_piece::scan::{Case, Reading, Scans, Sensor, Truth, play_cases, stops};
+use erard_piece::scan::{Case, Reading, Scans, Sensor, Shank, Truth, play_cases, stops};
 use erard_piece::{Options, perform};
 
 use crate::common::{RIGID, note, score};
@@ -98,5 +98,33 @@ fn a_piece_is_scanned() {
             reading.key == strike.key && (t - strike.time_s).abs() < 1e-3 && reading.raw > 2000
         };
         assert!((1..=2).contains(&readings.iter().filter(down).count()), "{strike:?}");
+    }
+}
+
+/// Sensors at a hammer: at its string as it strikes, below the let-off where it does not.
+#[test]
+fn hammers_are_scanned() {
+    let shank = Shank::of(&RIGID[39]).unwrap();
+    assert!((46e-3..49e-3).contains(&shank.unwrap().way_m), "{shank:?}");
+    let sensor = Sensor { bits: 16, rate_hz: 10_000.0, noise: 0.0 };
+    let mut shanks = vec![None; 88];
+    shanks[39] = shank;
+    let scans = Scans::of_hammers(&[sensor], shanks, 1);
+    let cases = [Case::Stroke, Case::SilentPress];
+    let truth = play_cases(&RIGID, (&[40], &cases), 0.5, 1, &scans, 1, &mut |_| true).unwrap();
+    let readings = &scans.readings()[0];
+    let Stops { rest, pressed } = stops(16);
+    let highest = |from_s: f64, to_s: f64| {
+        let own = readings.iter().filter(|one| (from_s..to_s).contains(&(1e-6 * one.time_us as f64)));
+        own.map(|one| (f64::from(one.raw) - rest) / (pressed - rest)).fold(0.0, f64::max)
+    };
+    for strike in &truth.strikes {
+        let share = highest(strike.time_s - 0.2e-3, strike.time_s + 0.2e-3);
+        assert!((share - 1.0).abs() < 0.03, "{share}: {strike:?}");
+    }
+    assert_eq!(truth.strikes.iter().filter(|strike| !strike.again).count(), 6);
+    for window in truth.windows.iter().filter(|window| window.case == "silent-press") {
+        let share = highest(window.from_s, window.to_s);
+        assert!((0.93..0.995).contains(&share), "{share}: {window:?}");
     }
 }
