@@ -74,8 +74,8 @@ pub(crate) struct Study {
     instrument: InstrumentOption,
     #[command(flatten)]
     step: StepOptions,
-    /// Adaptive steps: the largest error of a step, relative to 1 rad/s + |velocity|, from 1e-9 to 0.1; strokes are then
-    /// played one by one on all cores [default: fixed steps of --dt]
+    /// Adaptive steps: the largest error of a step, relative to 1 rad/s + |velocity|, from 1e-9 to 0.1; strokes are
+    /// then played one by one on all cores [default: fixed steps of --dt]
     #[arg(
         long,
         value_name = "ERROR",

@@ -58,8 +58,8 @@ impl Differences {
     }
 
     /// Differences in the shortest of several steps, which are shares of a stroke's own, with the errors of corners and
-    /// of the time step. An error in proportion to the step is as large as the change from a step twice as long, and larger than
-    /// the change from a step less than twice as long by share / (longer - share).
+    /// of the time step. An error in proportion to the step is as large as the change from a step twice as long, and
+    /// larger than the change from a step less than twice as long by share / (longer - share).
     fn in_steps(found: &[Self], shares: &[f64]) -> Option<Self> {
         let (shortest, share) = (*found.last()?, *shares.last()?);
         let longer = found.iter().zip(shares).take(found.len() - 1);
