@@ -75,3 +75,4 @@ class Work(TypedDict):
     ledger: bool
     columns: list[str]
     every: int
+    tolerance: float | None
