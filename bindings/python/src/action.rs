@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use erard::instrument::Instrument as Inner;
 use erard::player::{self, Action as Player, Hand, Input, Snapshot};
 use erard::strings::Strings;
+use erard::stroke::Prescribed;
 use erard::{SimulationError, StepOutcome};
 use numpy::{PyArray1, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
@@ -15,6 +16,10 @@ use crate::fault::{self, failed, wrong, wrong_argument};
 use crate::instrument::Instrument;
 use crate::press::array;
 use crate::setup::Steps;
+use crate::stroke::sampled;
+
+/// Most steps of sampled forces: an hour of the usual ones.
+const MAX_STEPS: f64 = 7.2e7;
 
 /// Grand action. Two threads may step it: one waits for the other.
 #[pyclass(frozen, module = "erard._erard")]
@@ -154,6 +159,24 @@ pub(crate) fn driven(hand: Option<Hand>, input: Input) -> PyResult<Input> {
     hand.map_or(Ok(input), |hand| hand.input(&input).map_err(wrong))
 }
 
+impl Action {
+    /// The forces of samples `dt` s apart in the steps from now on, each at the instant within its step that a run
+    /// takes.
+    fn at_steps(&self, py: Python<'_>, forces: &[f64], dt: f64) -> PyResult<Vec<f64>> {
+        let series = sampled(Prescribed::Force, forces, dt, "force")?.force;
+        let Some(series) = series else { return Ok(Vec::new()) };
+        let settings = *self.lock(py).settings();
+        let lasts_s = dt * (forces.len() - 1) as f64;
+        let steps = (lasts_s / settings.step + 1e-9).floor();
+        if steps > MAX_STEPS {
+            let found = format!("found {lasts_s} s of samples, {steps:.0} steps");
+            return Err(wrong_argument("dt", format!("{found}; expected at most {MAX_STEPS:.0}")));
+        }
+        let force_n = series.drive();
+        Ok((0..steps as u64).map(|n| force_n(n as f64 * settings.step + settings.theta * settings.step)).collect())
+    }
+}
+
 #[pymethods]
 impl Action {
     #[new]
@@ -205,13 +228,24 @@ impl Action {
         self.lock(py).set_pedal(lift_m);
     }
 
-    /// Takes one step for each force, N.
-    fn play<'py>(&self, py: Python<'py>, forces: PyReadonlyArray1<'py, f64>) -> PyResult<Bound<'py, PyDict>> {
+    /// Takes one step for each force, N. With `dt`: forces `dt` s apart from now on, between which a stroke file's
+    /// cubics interpolate; as many steps as end by the last one.
+    #[pyo3(signature = (forces, dt))]
+    fn play<'py>(
+        &self,
+        py: Python<'py>,
+        forces: PyReadonlyArray1<'py, f64>,
+        dt: Option<f64>,
+    ) -> PyResult<Bound<'py, PyDict>> {
         let forces = forces.as_slice().map_err(wrong)?;
         for (at, force) in forces.iter().enumerate() {
             player::check(&Input::Force(*force))
                 .map_err(|error| wrong_argument("force", format!("sample {at}: {error}")))?;
         }
+        let forces = match dt {
+            Some(dt) => self.at_steps(py, forces, dt)?,
+            None => forces.to_vec(),
+        };
         let mut columns: [Vec<f64>; 5] = Default::default();
         for portion in forces.chunks(4096) {
             // A signal's handler may step the action itself: nothing is locked then.

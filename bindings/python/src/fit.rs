@@ -447,6 +447,7 @@ fn result<'py>(py: Python<'py>, found: &FitResult) -> PyResult<Bound<'py, PyDict
     all.set_item("singular_values", found.singular_values.to_pyarray(py))?;
     all.set_item("unseen", found.unseen())?;
     all.set_item("jacobian_agreement", found.jacobian_agreement)?;
+    all.set_item("time_step_agreement", found.time_step_agreement)?;
     let channels = found.channels.iter().map(|one| {
         let delay_s = one.delay_s.map(|(s, _)| s);
         (one.title.clone(), one.noise, one.noise_is_known, one.correlation_time_s, one.rms_at_start, one.rms, delay_s)

@@ -36,6 +36,8 @@ pub(crate) struct Work {
     columns: Vec<String>,
     #[pyo3(item)]
     every: u64,
+    #[pyo3(item)]
+    tolerance: Option<f64>,
 }
 
 impl Work {
@@ -230,7 +232,8 @@ pub(crate) fn study<'py>(
         (None, None) => return Err(wrong_argument("force", "expected a force or a stroke")),
     };
     axes.extend(forces.map(Axis::of_forces));
-    let setup = Setup { ledger: work.ledger, ..steps.setup_of(own, &stroke, duration)? };
+    let setup = Setup { ledger: work.ledger, tolerance: work.tolerance, ..steps.setup_of(own, &stroke, duration)? };
+    setup.check().map_err(|error| fault::simulation(&error))?;
     let grid = Grid {
         instrument: own,
         source: &source,

@@ -2,6 +2,7 @@
 
 import pickle
 import threading
+from pathlib import Path
 
 import erard
 import numpy as np
@@ -93,3 +94,36 @@ def test_a_hand_plays_many(grand: erard.Instrument) -> None:
     study = erard.study(grand, {"let_off": [-1e-4, 0.0, 1e-4]}, force=6.0, duration=0.1, hand=hand)
     alone = [grand.vary(let_off=turned).press(force=6.0, duration=0.1, hand=hand).hammer_speed for turned in (-1e-4, 0.0, 1e-4)]
     assert np.allclose(study["hammer_speed_m_per_s"], alone, rtol=1e-6)
+
+
+def test_a_sampled_force_is_one_stroke_everywhere(grand: erard.Instrument, tmp_path: Path) -> None:
+    """Action, rollout, press and a stroke file interpolate the same samples alike; one number for each step does not."""
+    dt, step = 2e-3, 50e-6
+    force = np.array([0.0, 0.0, 0.0, 1.0, 3.0, 6.0, 7.0, 6.5, 6.0, 6.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0])
+    every, lasts = round(dt / step), dt * (len(force) - 1)
+    file = tmp_path / "force.csv"
+    file.write_text("time_s,force_N\n" + "".join(f"{k * dt:.3f},{n}\n" for k, n in enumerate(force)))
+    played = erard.Action(grand).play(force, dt=dt)
+    rolled = erard.rollout(grand, force=force[None], dt=dt, progress=False)
+    pressed = grand.press(force=force, dt=dt, duration=lasts, record_every=1, progress=False)
+    typed = grand.press(stroke=str(file), duration=lasts, record_every=1, progress=False)
+    assert np.array_equal(played["key_m"], pressed["key_m"][1:])
+    # The instants of a file are rounded otherwise.
+    assert np.allclose(typed["key_m"], pressed["key_m"], rtol=1e-9, atol=1e-15)
+    assert np.allclose(played["key_m"][every - 1 :: every], rolled["key_m"][0, 1:], rtol=1e-9)
+    held = erard.Action(grand).play(np.repeat(force[:-1], every))
+    assert np.abs(held["key_m"] - played["key_m"]).max() > 1e-5
+    for wrong, more in [(force[:1], {"dt": dt}), (force, {"dt": 0.0}), (force, {"dt": float("nan")})]:
+        with pytest.raises(erard.InputError):
+            erard.Action(grand).play(wrong, **more)
+
+
+def test_a_study_takes_a_tolerance(grand: erard.Instrument) -> None:
+    """Adaptive steps give the speeds of presses with the same tolerance; with `single` they are refused."""
+    study = erard.study(grand, let_off=[-5e-4, 0.0], force=5.0, tolerance=1e-6, progress=False)
+    for row, turn in enumerate([-5e-4, 0.0]):
+        alone = grand.vary(let_off=turn).press(force=5.0, tolerance=1e-6, progress=False)
+        assert study["hammer_speed_m_per_s"][row] == alone.hammer_speed
+    for more in ({"tolerance": 5.0}, {"tolerance": 1e-6, "single": True}):
+        with pytest.raises(erard.InputError):
+            erard.study(grand, let_off=[0.0], force=5.0, progress=False, **more)

@@ -26,6 +26,8 @@ SCALE, CONSTANT, WIDTH, DRY, PER_STEP, CALLS, TIME, BEYOND, RATE, WHOLE, SLOPE, 
 METHODS = {
     "implicitfast": ("implicitfast", 1, True),
     "implicitfast, tanh pivots": ("implicitfast", 1, False),
+    "discrete": ("discrete", 1, True),
+    "discrete, tanh pivots": ("discrete", 1, False),
     "RK4": ("RK4", 4, True),
     "RK4, tanh pivots": ("RK4", 4, False),
 }

@@ -111,20 +111,42 @@ class Action:
         """
         self._inner.set_pedal(number("lift_m", lift_m))
 
-    def play(self, force: ArrayLike) -> Table:
-        """Takes one step for each force.
+    def play(self, force: ArrayLike, *, dt: float | None = None) -> Table:
+        """Takes one step for each force; with `dt`, plays a sampled force.
 
         Parameters
         ----------
         force : array_like of shape (T,)
-            Force of the finger in each step, N, pushing positive.
+            Force of the finger, N, pushing positive. Without `dt`: in each step, constant during the step. With `dt`:
+            samples `dt` apart from the present instant on. Between samples the force is interpolated as in
+            `Instrument.press`, `rollout` and stroke files of the command: by monotone cubics (Fritsch and Carlson),
+            which are smooth and never outside two neighbouring samples.
+        dt : float, optional
+            Time between samples, s.
 
         Returns
         -------
         Table
-            Columns of shape (T,): `time_s`, `key_m`, `hammer_rise_m`, `hammer_rise_m_per_s`, `string_N`.
+            Columns with one row for each step: `time_s`, `key_m`, `hammer_rise_m`, `hammer_rise_m_per_s`, `string_N`.
+            With `dt` these are the steps that end by the last sample, at (T - 1) dt.
+
+        Raises
+        ------
+        InputError
+            If a force or `dt` is out of range, or fewer than two samples are given with `dt`.
+
+        Examples
+        --------
+        >>> import erard, numpy as np
+        >>> grand = erard.load("concert-grand")
+        >>> force = np.array([0.0, 2.0, 6.0, 5.0, 5.0])
+        >>> played = erard.Action(grand).play(force, dt=10e-3)
+        >>> rolled = erard.rollout(grand, force=force[None], dt=10e-3)
+        >>> len(played["key_m"]), bool(np.allclose(played["key_m"][199::200], rolled["key_m"][0, 1:], rtol=1e-9))
+        (800, True)
         """
-        return Table(dict(self._inner.play(floats("force", force, 1))))
+        dt = None if dt is None else number("dt", dt)
+        return Table(dict(self._inner.play(floats("force", force, 1), dt)))
 
     @property
     def reading(self) -> Reading:

@@ -178,6 +178,9 @@ class Fit:
         Sensitivity of the Jacobian to the step of the differences: the largest relative change of a column between one
         step and a step sixteen times as long; with `jacobian="gradient"`, between the derivatives and differences with
         the longer step. If it is large, the model jumps with the parameters, and the errors are not reliable.
+    time_step_agreement : float
+        Error of the Jacobian due to the time step: the largest relative error of a column, estimated as twice its change
+        in half the step.
     """
 
     def __init__(self, problem: Problem, found: Fitted) -> None:
@@ -197,6 +200,7 @@ class Fit:
         self.doubts = [Doubt(kind, text) for kind, text in found["doubts"]]
         self.singular_values, self.unseen = found["singular_values"], found["unseen"]
         self.jacobian_agreement = found["jacobian_agreement"]
+        self.time_step_agreement = found["time_step_agreement"]
         channels = found["channels"]
         self.noise = {title: sigma for title, sigma, *_ in channels}
         self.correlation_times = {title: time_s for title, _, _, time_s, *_ in channels}

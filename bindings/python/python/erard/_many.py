@@ -45,10 +45,20 @@ OUTCOMES = (
 )
 
 
-def work(threads: int | None, single: bool, ledger: bool, columns: Sequence[str] = (), every: int = 1) -> Work:
+def work(
+    threads: int | None,
+    single: bool,
+    ledger: bool,
+    columns: Sequence[str] = (),
+    every: int = 1,
+    tolerance: float | None = None,
+) -> Work:
     """Returns the settings of the work and of the recorded columns as the extension takes them."""
     threads = None if threads is None else whole("threads", threads)
-    return {"threads": threads, "single": single, "ledger": ledger, "columns": names_of("columns", columns), "every": every}
+    names = names_of("columns", columns)
+    return {
+        "threads": threads, "single": single, "ledger": ledger, "columns": names, "every": every, "tolerance": tolerance,
+    }  # fmt: skip
 
 
 def outcomes(found: dict[str, Any]) -> dict[str, NDArray[Any]]:
@@ -181,9 +191,11 @@ def rollout(
     instruments : Instrument or sequence of Instrument
         One instrument for all strokes, or one for each. Instruments that differ only in parameters share lanes.
     force : array_like of shape (N, T)
-        Force of the finger, N, pushing positive: N strokes of T samples.
+        Force of the finger, N, pushing positive: N strokes of T samples. Between samples the force is interpolated as
+        in `Instrument.press` and stroke files of the command: by monotone cubics (Fritsch and Carlson).
     motion, rigid : array_like of shape (N, T)
-        Instead of `force`: prescribed position of the fingertip, or of the key front itself, m down from rest.
+        Instead of `force`: prescribed position of the fingertip, or of the key front itself, m down from rest;
+        interpolated by cubic splines that start and end at rest.
     dt : float
         Time between samples, s. The run lasts (T - 1) dt; its steps divide dt evenly.
     columns : sequence of str
@@ -354,6 +366,7 @@ def study(
     progress: bool | None = None,
     step: float | None = None,
     theta: float = 0.5,
+    tolerance: float | None = None,
     hand: Hand | None = None,
     **more: Axis,
 ) -> Study:
@@ -375,6 +388,9 @@ def study(
         As in `rollout`.
     step, theta : float
         Step length, s, and parameter theta of the time-stepping scheme.
+    tolerance : float, optional
+        Tolerance for adaptive steps, 1e-9 to 0.1, as in `Instrument.press`; strokes are then played one by one on all
+        cores. Not with `single`.
     hand : Hand, optional
         Hand between stroke and key.
 
@@ -406,7 +422,10 @@ def study(
         raise InputError("nothing is varied; expected names with values, as in let_off=[-1e-4, 0, 1e-4]")
     made = None if forces is not None else stroke_of(instrument, stroke=stroke, touch=touch, drive=drive, hand=hand)
     duration = None if duration is None else number("duration", duration)
-    keep = work(threads, single, True)
+    accuracy = None if tolerance is None else number("tolerance", tolerance)
+    if accuracy is not None and single:
+        raise InputError("tolerance and single are given; expected one of them: adaptive steps are computed in doubles", key="single")
+    keep = work(threads, single, True, tolerance=accuracy)
     with bar(progress, "study") as tell:
         found = played(instrument, axes, made, forces, None, measure, duration, own, keep, tell)
     known = instrument.parameters

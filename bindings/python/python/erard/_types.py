@@ -53,6 +53,7 @@ class Fitted(TypedDict):
     singular_values: Floats
     unseen: list[str]
     jacobian_agreement: float
+    time_step_agreement: float
     #: Title, noise, whether it is known, its correlation time, root mean square misfit at the start and at the end,
     #: delay.
     channels: list[tuple[str, float, bool, float, float, float, float | None]]
@@ -74,3 +75,4 @@ class Work(TypedDict):
     ledger: bool
     columns: list[str]
     every: int
+    tolerance: float | None

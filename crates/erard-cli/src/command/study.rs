@@ -74,6 +74,16 @@ pub(crate) struct Study {
     instrument: InstrumentOption,
     #[command(flatten)]
     step: StepOptions,
+    /// Adaptive steps: the largest error of a step, relative to 1 rad/s + |velocity|, from 1e-9 to 0.1; strokes are
+    /// then played one by one on all cores [default: fixed steps of --dt]
+    #[arg(
+        long,
+        value_name = "ERROR",
+        value_parser = number(Quantity::Number, ""),
+        allow_hyphen_values = true,
+        conflicts_with_all = ["sensitivities", "single"]
+    )]
+    tolerance: Option<f64>,
     /// Simulated time of every stroke, s [default: the stroke's duration and a little more]
     #[arg(long, value_name = "S", value_parser = number(Quantity::Time, "s"), allow_hyphen_values = true)]
     duration: Option<f64>,
@@ -130,7 +140,8 @@ impl Study {
         drop(stroke.inputs(&instrument.finger)?);
         let each = self.each(&axes)?;
         let duration_s = self.duration.unwrap_or(stroke.duration_s);
-        let setup = Setup { settings, start_s: stroke.start_s, hand: stroke.hand(), ..Setup::new(duration_s) };
+        let (tolerance, start_s) = (self.tolerance, stroke.start_s);
+        let setup = Setup { settings, start_s, tolerance, hand: stroke.hand(), ..Setup::new(duration_s) };
         check(&setup)?;
         let mut output = self.out.prepare(session, "study", &["study.csv"])?;
         let workers = if self.single { Workers::all_single() } else { Workers::all() };

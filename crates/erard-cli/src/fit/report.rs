@@ -85,6 +85,7 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
         "singular_values": found.singular_values,
         "unseen": found.unseen(),
         "jacobian_agreement": found.jacobian_agreement,
+        "time_step_agreement": found.time_step_agreement,
         "strokes": found.evaluations,
         "strokes_with_derivatives": found.differentiated,
     })

@@ -107,11 +107,11 @@ fn row(all: &Sensitivities, one: &Sensitivity) -> Value {
         "elasticity": one.elasticity(all),
         "method": of.method.name(),
         "differences": one.differences.map(|[slope, _]| slope),
-        "differences_spread": one.differences.map(|[_, spread]| spread),
+        "differences_error": one.differences.map(|[_, error]| error),
         "below": one.sides.map(|[below, _]| below),
         "above": one.sides.map(|[_, above]| above),
         "mark": one.mark.name(),
-        "event": one.event,
+        "reason": one.reason,
     })
 }
 
@@ -218,9 +218,15 @@ pub(crate) fn lines(all: &Sensitivities, most: usize) -> Vec<String> {
             ]
         });
         lines.extend(Table::of(heads, cells).to_string().lines().map(str::to_owned));
-        for one in rows.iter().take(most).filter(|one| one.mark == Mark::Unconverged) {
-            let (name, event) = (&all.by[one.by].name, one.event.as_deref().unwrap_or("nowhere to be named"));
-            lines.push(format!("  {name} has no derivative: {event} differs between step lengths"));
+        for one in rows.iter().take(most) {
+            let (name, reason) = (&all.by[one.by].name, one.reason.as_deref());
+            lines.extend(match one.mark {
+                Mark::Unconverged => {
+                    let reason = reason.unwrap_or("nowhere to be named");
+                    Some(format!("  {name} has no derivative: {reason} differs between step lengths"))
+                }
+                _ => reason.map(|reason| format!("  {name}: {reason}")),
+            });
         }
         if rows.len() > most {
             lines.push(format!("  {} more; sensitivities.csv holds them", rows.len() - most));

@@ -15,7 +15,7 @@ use super::{Doubt, DoubtKind, FitError, FitResult, Problem, Simulator};
 const BEYOND_S: f64 = 5e-3;
 /// Standard deviations beyond which a mean square is more than noise; exceeded by chance in about one of 4000 channels.
 const CHANCE: f64 = 3.5;
-/// Derivatives are doubtful if they change by more than this share with their difference step.
+/// Derivatives are doubtful if they change by more than this share with their difference step, or with the time step.
 const UNSTEADY: f64 = 0.1;
 /// A disturbed drive explains nothing if its mean square over the noise is smaller than this.
 const QUIET: f64 = 0.1;
@@ -79,6 +79,13 @@ pub(super) fn doubts(
         let text = format!(
             "derivatives by differences depend by {:.0} % on their step size: the model jumps as a parameter varies, and the error bars are too small",
             100.0 * found.jacobian_agreement
+        );
+        doubts.push(Doubt { kind: DoubtKind::Derivatives, text });
+    }
+    if found.time_step_agreement > UNSTEADY {
+        let text = format!(
+            "derivatives depend by {:.0} % on the time step: error bars are wrong by as much; use a shorter one",
+            100.0 * found.time_step_agreement
         );
         doubts.push(Doubt { kind: DoubtKind::Derivatives, text });
     }

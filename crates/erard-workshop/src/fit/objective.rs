@@ -6,7 +6,7 @@ use crate::sensitivities::SensitivityError;
 use super::candidate::{Best, Candidate};
 use super::correlation::Leftovers;
 use super::drive_noise::DriveNoise;
-use super::jacobian::{DIFFERENCES, Differences, by_gradient, check_gradient, weigh};
+use super::jacobian::{DIFFERENCES, Differences, by_differences, by_gradient, check_gradient, weigh};
 use super::problem::Problem;
 use super::simulator::Simulator;
 use super::solver::LeastSquares;
@@ -110,6 +110,15 @@ impl<'s, 'p> Objective<'s, 'p> {
         let (noise, best) = (&self.noise, &mut self.best);
         let mut update = |point: &[f64], residuals: &[f64]| best.update(problem, noise, point, residuals);
         Ok(played.columns(problem, noise, self.weights.as_deref(), &mut update))
+    }
+
+    /// Returns the Jacobian by differences in half of the recordings' steps. These points do not become candidates.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub(super) fn in_half_steps(&mut self, point: &[f64], share: f64) -> Result<Columns, FitError> {
+        let (noise, weights) = (&self.noise, self.weights.as_deref());
+        self.simulator.with_half_steps(|simulator| by_differences(simulator, noise, weights, point, share))
     }
 
     /// Uses the model's own derivatives in the last steps. Models without them are reported before the work begins.

@@ -69,6 +69,8 @@ pub struct FitResult {
     pub directions: Columns,
     /// Dependence of the Jacobian on the steps of its differences: the largest relative change of a column.
     pub jacobian_agreement: f64,
+    /// Dependence of the Jacobian on the time step: the largest relative error of a column, from half the step.
+    pub time_step_agreement: f64,
     /// Covariance of the point.
     pub solver_cov: Columns,
     /// Covariance of the point from the sensors' noise alone.
@@ -107,8 +109,9 @@ pub(super) struct Conclusion {
     pub variance_freedom: Vec<f64>,
     /// Jacobian at the point.
     pub jacobian: Columns,
-    /// Relative change of the Jacobian with its difference step.
+    /// Relative change of the Jacobian with its difference step, and its relative error due to the time step.
     pub jacobian_agreement: f64,
+    pub time_step_agreement: f64,
     /// Ends of all attempts.
     pub ends: Vec<Candidate>,
     /// Root mean square residual of each block at the start, N, m or m/s.
@@ -159,6 +162,7 @@ impl FitResult {
             variance_freedom,
             jacobian,
             jacobian_agreement,
+            time_step_agreement,
             ends,
             rms_at_start,
             noise,
@@ -242,6 +246,7 @@ impl FitResult {
             singular_values: factors.values,
             directions: factors.directions,
             jacobian_agreement,
+            time_step_agreement,
             attempts: [ends.len(), good as usize],
             apart,
             channels,

@@ -205,13 +205,15 @@ impl<'a, 's, 'p> Search<'a, 's, 'p> {
         }
     }
 
-    /// Computes the Jacobian at the best point ever played, its dependence on the difference step, and the result.
+    /// Computes the Jacobian at the best point ever played, its dependence on the difference step and on the time step,
+    /// and the result.
     fn conclude(mut self) -> Result<FitResult, FitError> {
         let (point, jacobian, drive_noise) = self.correlate()?;
         let objective = &mut self.objective;
         let wide = objective.by_differences(&point, DIFFERENCES[0])?;
         let other =
             if objective.is_exact() { jacobian.clone() } else { objective.by_differences(&point, DIFFERENCES[2])? };
+        let half = objective.in_half_steps(&point, DIFFERENCES[1])?;
         let residuals = objective.residuals(&point)?;
         let (unwhitened, unwhitened_jacobian) = objective.unwhitened(&point, &jacobian)?;
         let noise = &objective.noise;
@@ -224,8 +226,10 @@ impl<'a, 's, 'p> Search<'a, 's, 'p> {
             point,
             message: self.message,
             residuals,
-            jacobian,
             jacobian_agreement: agreement(&wide, &other),
+            // An error in proportion to the time step is twice the change in half the step.
+            time_step_agreement: 2.0 * agreement(&half, &jacobian),
+            jacobian,
             unwhitened,
             variance_freedom,
             ends: self.ends,

@@ -46,6 +46,8 @@ pub struct Simulator<'a> {
     progress: Progress<'a>,
     evaluations: u64,
     differentiated: u64,
+    /// Whether strokes are played in half of the recordings' steps.
+    in_half_steps: bool,
     /// The point played last and its readings.
     cache: Option<(Vec<f64>, Readings)>,
 }
@@ -53,7 +55,7 @@ pub struct Simulator<'a> {
 impl<'a> Simulator<'a> {
     /// Makes a simulator on so many threads. `progress` returns false to end the work.
     pub fn new(problem: &'a Problem, threads: usize, progress: Progress<'a>) -> Self {
-        Simulator { problem, threads, progress, evaluations: 0, differentiated: 0, cache: None }
+        Simulator { problem, threads, progress, evaluations: 0, differentiated: 0, in_half_steps: false, cache: None }
     }
 
     /// The problem.
@@ -139,12 +141,16 @@ impl<'a> Simulator<'a> {
         });
         let jobs = jobs.collect::<Result<Vec<_>, FitError>>()?;
         // Every instrument has the columns for key, hammer and force.
-        let sampling = Sampling::of(first, &one.columns, one.every)
+        let (mut setup, mut every) = (one.setup(), one.every);
+        if self.in_half_steps {
+            (setup.settings.step, every) = (0.5 * setup.settings.step, 2 * every);
+        }
+        let sampling = Sampling::of(first, &one.columns, every)
             .map_err(|error| FitError::Recording { recording: one.name.clone(), message: error.to_string() })?;
         let (before, count) = (self.evaluations, jobs.len() as f64);
         let workers = self.workers();
         let mut progress = |share: f64| (self.progress)(before + (share * count) as u64);
-        let results = sample_all(instruments, jobs, &one.setup(), Some(&sampling), workers, &mut progress)?;
+        let results = sample_all(instruments, jobs, &setup, Some(&sampling), workers, &mut progress)?;
         let of = |result: Result<Played, SimulationError>| {
             let mut samples = result.ok()?.samples;
             samples.resize(one.columns.len(), Vec::new());
@@ -184,6 +190,22 @@ impl<'a> Simulator<'a> {
     /// does not depend on the stage before.
     pub(super) fn clear_cache(&mut self) {
         self.cache = None;
+    }
+
+    /// Plays in half of the recordings' steps during some work. The cache is empty before and after it.
+    ///
+    /// # Errors
+    /// Errors of the work.
+    pub(super) fn with_half_steps<T>(
+        &mut self,
+        work: impl FnOnce(&mut Self) -> Result<T, FitError>,
+    ) -> Result<T, FitError> {
+        self.clear_cache();
+        self.in_half_steps = true;
+        let found = work(self);
+        self.in_half_steps = false;
+        self.clear_cache();
+        found
     }
 
     /// Residuals at many points, played side by side; not finite where a point cannot be played.

@@ -211,12 +211,12 @@ fn look_to_both_sides<'a>(
     numbers.sort_unstable();
     numbers.dedup();
     let by: Vec<Variable> = numbers.iter().map(|&k| all.by[k].clone()).collect();
-    let window = Window::new(instrument, &by, |one| one.window);
-    let played = window.play(stroke, setup, how.threads, progress)?;
+    let window = Window::new(instrument, &by, &|one: &Variable| one.window);
+    let played = window.play_in_steps(&[1.0], stroke, setup, how.threads, progress)?;
     let steps_s = [1.0, SHORTER].map(|share| share * setup.settings.step);
     for one in &mut all.refused {
         let Ok(k) = numbers.binary_search(&one.place[1]) else { continue };
-        let found = window.of_events(&played, k, one.of);
+        let found = window.of_events(&played, &[1.0], k, one.of);
         let bare = by[k].per_bare_number();
         one.sides = found.map(|found| found.sides.map(|slope| slope * bare));
         one.told = one.tell(instrument, steps_s);

@@ -3,10 +3,11 @@
 //! Speeds and instants are differentiated in one pass each ([`erard::gradient`]): exact to first order, apart from
 //! errors of the step length. This is done with three steps, `SHARES` of the stroke's. The middle result is reported
 //! with half the range of all three, which is no error bar. Where they do not agree there is no derivative, and the row
-//! names the friction switch at which they begin to differ. They are compared with differences over a window that is
-//! wide against the resolution of a step: where these disagree, or differ between the two sides, the solution jumps
-//! nearby, and the row is marked. Touch weights are the largest and the smallest force of a slow loop, and have
-//! differences only.
+//! names the friction switch at which they begin to differ. They are compared with differences in steps of two lengths
+//! over a window that is wide against the resolution of a step. The error of these differences contains the change
+//! between two windows and the error of the time step. Where derivative and differences disagree beyond their errors,
+//! the row is marked and says why, as far as wider and narrower windows show it. Touch weights are the largest and the
+//! smallest force of a slow loop, and have differences only.
 
 mod differences;
 mod error;
@@ -28,7 +29,7 @@ use erard::instrument::Instrument;
 use erard::run::Setup;
 
 use crate::study::Stroke;
-use differences::{Differences, Window};
+use differences::{Differences, OtherWindows, STEPS, Window};
 use gradient::{NEGLIGIBLE, converges};
 use parting::parting;
 use passes::{How, Passes, passes};
@@ -110,8 +111,14 @@ pub enum Mark {
     Unconverged,
     /// Differences to the two sides have different slopes: the solution jumps or has a corner within the window.
     Jumps,
-    /// Differences over the window disagree with the derivative: it holds for a smaller neighbourhood only.
+    /// Differences over the window disagree with the derivative, and those over a narrower one agree: it holds for a
+    /// smaller neighbourhood only.
     Local,
+    /// Differences over the window disagree with the derivative, and those over a wider one agree: no switch of
+    /// friction or contact moves by a whole step over the narrow one.
+    Steps,
+    /// Differences disagree with the derivative over every window.
+    Apart,
     /// The number cannot be changed to both sides.
     OneSided,
 }
@@ -124,6 +131,8 @@ impl Mark {
             Mark::Unconverged => "unconverged",
             Mark::Jumps => "jumps",
             Mark::Local => "local",
+            Mark::Steps => "steps",
+            Mark::Apart => "apart",
             Mark::OneSided => "one-sided",
         }
     }
@@ -141,13 +150,14 @@ pub struct Sensitivity {
     /// Half the range of the derivatives for three step lengths, plus the uncertainty from unresolved friction
     /// switches; or the difference between two windows. No error bar: it lacks errors common to all step lengths.
     pub spread: f64,
-    /// Differences over the window, and their change between two windows; `None` if the number cannot be changed to
-    /// both sides.
+    /// Differences over the window in the shortest step, and their error: the change between two windows, and for
+    /// results of the stroke the error of the time step. `None` if the number cannot be changed to both sides.
     pub differences: Option<[f64; 2]>,
     /// Differences downward and upward.
     pub sides: Option<[f64; 2]>,
-    /// Friction switch from which on derivatives that do not converge differ.
-    pub event: Option<String>,
+    /// Reason of the mark: the friction switch from which on derivatives that do not converge differ, or why derivative
+    /// and differences disagree.
+    pub reason: Option<String>,
     /// Remark on the derivative.
     pub mark: Mark,
 }
@@ -181,8 +191,8 @@ pub struct Sensitivities {
     pub switches: [u32; 2],
 }
 
-/// Weights of the progress: gradients, strokes for differences, weighing.
-const PARTS: [f64; 3] = [1.0, 1.0, 20.0];
+/// Weights of the progress: gradients, strokes for differences, weighing, strokes over further windows.
+const PARTS: [f64; 4] = [1.0, 1.0, 20.0, 0.5];
 
 /// Computes the derivatives of a stroke's results by an instrument's parameters.
 ///
@@ -209,6 +219,7 @@ pub fn sensitivities<'a>(
         if followed { PARTS[0] } else { 0.0 },
         if followed { PARTS[1] } else { 0.0 },
         if weighed { PARTS[2] } else { 0.0 },
+        if followed { PARTS[3] } else { 0.0 },
     ];
     let total: f64 = parts.iter().sum();
     let mut tell =
@@ -219,11 +230,11 @@ pub fn sensitivities<'a>(
         false => Passes::default(),
     };
     let variables = by.clone();
-    let window = Window::new(instrument, &variables, |one| one.window);
-    let heavy = Window::new(instrument, &variables, |one| one.weighing);
+    let window = Window::new(instrument, &variables, &|one| one.window);
+    let heavy = Window::new(instrument, &variables, &|one| one.weighing);
     // Differences include the change of the rest.
     let played = match followed && rest == Rest::Moves {
-        true => window.play(stroke, setup, threads, &mut |share| tell(1, share))?,
+        true => window.play_in_steps(&STEPS, stroke, setup, threads, &mut |share| tell(1, share))?,
         false => Vec::new(),
     };
     let weights = match weighed {
@@ -242,7 +253,7 @@ pub fn sensitivities<'a>(
                     let pass = |which: usize| found.one(which, i).and_then(|f| get(&f.instants));
                     let [Some(a), Some(b), Some(c)] = [pass(0), pass(1), pass(2)] else { continue };
                     all.values[k] = Some(c.value);
-                    let differences = window.of_events(&played, i, quantity.key);
+                    let differences = window.of_events(&played, &STEPS, i, quantity.key);
                     let slopes = [a, b, c].map(|x: Number| x.slope[i % DIRECTIONS]);
                     let passing = found.passing(i).and_then(|f| get(&f.instants));
                     let unresolved = passing.map_or(0.0, |x| (x - a).slope[i % DIRECTIONS].abs());
@@ -252,14 +263,17 @@ pub fn sensitivities<'a>(
                     }
                     if !found.has_rest(i) && row.derivative.abs() * variable.usual > NEGLIGIBLE * c.value.abs() {
                         row.mark = Mark::Unconverged;
-                        row.event = Some("the rest position has a different slope on either side".to_owned());
+                        row.reason = Some("the rest position has a different slope on either side".to_owned());
                     } else if row.mark == Mark::Unconverged {
                         let [first, second] = [0, 2].map(|which| found.one(which, i));
                         let event = first.zip(second).and_then(|(a, b)| parting(a, b, i % DIRECTIONS));
-                        row.event = event.map(|event| event.told(instrument));
+                        row.reason = event.map(|event| event.told(instrument));
                     }
                     if row.mark == Mark::Unconverged {
                         row.derivative = f64::NAN;
+                    }
+                    if row.mark == Mark::Jumps {
+                        row.reason = Some("the slopes to the two sides differ: a corner or a jump".to_owned());
                     }
                     rows.push(row);
                 }
@@ -271,15 +285,31 @@ pub fn sensitivities<'a>(
                 }
             }
         }
-        // Rows that do not converge are sorted by their differences.
-        let slope = |row: &Sensitivity| match row.mark {
+        all.rows.extend(rows);
+    }
+    // Strokes over further windows, for the numbers of rows that disagree.
+    let disagree = |by: usize| all.rows.iter().any(|row| row.by == by && row.mark == Mark::Apart);
+    let places: Vec<usize> = (0..variables.len()).filter(|&by| disagree(by)).collect();
+    if !places.is_empty() {
+        let doubtful: Vec<Variable> = places.iter().map(|&by| variables[by].clone()).collect();
+        let others = OtherWindows::play(instrument, &doubtful, stroke, setup, threads, &mut |share| tell(3, share))?;
+        for row in all.rows.iter_mut().filter(|row| row.mark == Mark::Apart) {
+            let Ok(place) = places.binary_search(&row.by) else { continue };
+            let key = all.of[row.of].key;
+            let first = window.of_events(&played, &STEPS, row.by, key);
+            let (mark, reason) = others.why(place, key, [row.derivative, row.spread], first);
+            (row.mark, row.reason) = (mark, Some(reason));
+        }
+    }
+    // By quantity, the largest effect first; rows that do not converge are sorted by their differences.
+    let size = |row: &Sensitivity| {
+        let slope = match row.mark {
             Mark::Unconverged => row.differences.map_or(0.0, |[slope, _]| slope),
             _ => row.derivative,
         };
-        let size = |row: &Sensitivity| (slope(row) * all.by[row.by].usual).abs();
-        rows.sort_by(|a, b| size(b).total_cmp(&size(a)));
-        all.rows.extend(rows);
-    }
+        (slope * variables[row.by].usual).abs()
+    };
+    all.rows.sort_by(|a, b| a.of.cmp(&b.of).then(size(b).total_cmp(&size(a))));
     Ok(all)
 }
 
@@ -292,7 +322,7 @@ fn row_of(
 ) -> Sensitivity {
     let sides = differences.map(|found| found.sides);
     let differences = differences.map(|found| [found.slope, found.error]);
-    Sensitivity { of, by, derivative, spread, differences, sides, event: None, mark }
+    Sensitivity { of, by, derivative, spread, differences, sides, reason: None, mark }
 }
 
 /// Judges derivatives for three step lengths by differences.
@@ -312,13 +342,13 @@ fn judged(
     } else if let Some(found) = differences {
         // A change of the quantity below a hundred-thousandth does not matter, whatever its mark.
         let matters = (slope * usual).abs() > NEGLIGIBLE * value.abs() || found.matters(value);
-        let apart = (slope - found.slope).abs();
         if !matters {
             Mark::None
         } else if found.jumps() {
             Mark::Jumps
-        } else if apart > SAME * slope.abs().max(found.slope.abs()) + 3.0 * spread + found.error {
-            Mark::Local
+        } else if (slope - found.slope).abs() > STEP_ERROR * spread + found.error {
+            // Why is found later, over further windows.
+            Mark::Apart
         } else {
             Mark::None
         }
@@ -328,8 +358,8 @@ fn judged(
     row_of(place, slope, spread, differences, mark)
 }
 
-/// Derivative and differences agree if they differ by less than this share, beyond their errors.
-const SAME: f64 = 0.1;
-
 /// Steps of the differentiated press, as shares of the stroke's own.
 pub(crate) const SHARES: [f64; 3] = [0.5, 0.4, 0.25];
+/// Error of the middle one of three derivatives in steps of [`SHARES`], in units of half their range, if it is in
+/// proportion to the step.
+const STEP_ERROR: f64 = 2.0 * SHARES[1] / (SHARES[0] - SHARES[2]);

@@ -15,10 +15,14 @@ use erard_workshop::sensitivities::{
 };
 
 fn found(name: &str, by: &[&str], of: &[&str], force_n: f64) -> Sensitivities {
+    found_in_steps(name, by, of, force_n, 25e-6)
+}
+
+fn found_in_steps(name: &str, by: &[&str], of: &[&str], force_n: f64, step_s: f64) -> Sensitivities {
     let (instrument, text) = (Instrument::builtin(name).unwrap(), Instrument::builtin_text(name).unwrap());
     let by = by.iter().map(|name| Variable::named(&instrument, text, name).unwrap()).collect();
     let of = quantities().into_iter().filter(|q| of.contains(&q.key)).collect();
-    let setup = Setup { settings: Settings::new(25e-6), ledger: false, ..Setup::new(0.2) };
+    let setup = Setup { settings: Settings::new(step_s), ledger: false, ..Setup::new(0.2) };
     let stroke = || -> erard_workshop::study::Stroke<'static> { Box::new(move |_| Input::Force(force_n)) };
     sensitivities(&instrument, by, of, &stroke, &setup, Rest::Moves, 2, &mut |_| true).unwrap()
 }
@@ -65,7 +69,8 @@ fn derivatives_are_differences(instruments: &[&str]) {
                 "{instrument} {name} {}: {row:?}",
                 all.of[row.of].key
             );
-            assert_eq!(row.mark, Mark::None, "{instrument} {name} {row:?}");
+            // `Local`: they agree over a narrower window.
+            assert!(matches!(row.mark, Mark::None | Mark::Local), "{instrument} {name} {row:?}");
         }
         // A stronger finger is faster, and earlier.
         assert!(by(&all, "force", of[0]).derivative > 0.0 && by(&all, "force", of[1]).derivative < 0.0);
@@ -319,6 +324,51 @@ fn refusals() {
     assert!(matches!(refused, Err(GradientError::SetValuedFelt)), "{refused:?}");
     let stopped = follow(&plain, &[], &force, &setup, &poses, how, &mut |_| false);
     assert!(stopped.is_err_and(|error| error.is_interruption()));
+}
+
+/// The error of differences contains that of the time step: in steps of 50 us those of the hammer speed by the heel's
+/// stiffness are a tenth off, as the derivative in steps a tenth as long shows.
+#[test]
+fn differences_contain_the_error_of_the_time_step() {
+    let names = ["zone.capstan_heel.stiffness", "zone.jack_knuckle.damping", "body.hammer.mass", "let_off"];
+    let of = ["hammer_speed_m_per_s", "hammer_contact_s"];
+    let in_steps = |step_s| found_in_steps("concert-grand-rigid", &names, &of, 5.0, step_s);
+    let (usual, short) = (in_steps(50e-6), in_steps(5e-6));
+    for row in &usual.rows {
+        let name = &usual.by[row.by].name;
+        let exact = by(&short, name, usual.of[row.of].key);
+        let [slope, error] = row.differences.unwrap();
+        assert!((slope - exact.derivative).abs() <= error + exact.spread, "{name}: {row:?} {exact:?}");
+        assert!(error < 0.5 * slope.abs(), "{name}: {row:?}");
+    }
+}
+
+/// Where derivative and differences disagree beyond their errors the row has a mark and says why; over all registered
+/// numbers at p, mf and ff.
+#[test]
+#[ignore = "ci: derivatives and differences of all numbers at three levels"]
+fn what_disagrees_is_marked_with_its_reason() {
+    let name = "concert-grand";
+    let instrument = Instrument::builtin(name).unwrap();
+    let kind = HandKind::new(Touch::Pressed, MASS_KG);
+    let mut reference = Reference::new(&instrument, &mut |_| true).unwrap();
+    for level in [0.79, 1.99, 5.0] {
+        let hand = reference.solve(kind, level, &mut |_| true).unwrap().held();
+        let setup = Setup { ledger: false, hand: Some(hand.hand), ..Setup::new(0.2) };
+        let stroke = || -> erard_workshop::study::Stroke<'static> { Box::new(move |t| hand.input(t)) };
+        let of = quantities().into_iter().filter(|q| q.key == "hammer_speed_m_per_s").collect();
+        let by = Variable::all(&instrument);
+        let all = sensitivities(&instrument, by, of, &stroke, &setup, Rest::Moves, 2, &mut |_| true).unwrap();
+        assert_eq!(all.rows.len(), all.by.len(), "{level}");
+        for row in &all.rows {
+            assert_eq!(row.mark == Mark::None || row.mark == Mark::OneSided, row.reason.is_none(), "{level}: {row:?}");
+            let (Some([slope, error]), true) = (row.differences, row.mark == Mark::None) else { continue };
+            // Below a hundred-thousandth of the result nothing is marked.
+            let unseen = 1e-5 * all.values[row.of].unwrap().abs() / all.by[row.by].usual;
+            let apart = (slope - row.derivative).abs();
+            assert!(apart <= 3.21 * row.spread + error + 3.0 * unseen, "{level} {}: {row:?}", all.by[row.by].name);
+        }
+    }
 }
 
 mod nightly {

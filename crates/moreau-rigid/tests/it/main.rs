@@ -2,3 +2,4 @@
 
 mod piles;
 mod rigid;
+mod sticks;
