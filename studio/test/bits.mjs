@@ -87,7 +87,8 @@ export const bits = async ({ visit }) => {
     assert(!(last_push < 0), `${nuance} ${touch} after ${before}: the key is down ${last_push} s after its start`);
   };
   try {
-    const page = await visit();
+    // A small picture: the strokes are played in real time, as fast as it is drawn.
+    const page = await visit("", { viewport: { width: 620, height: 480 } });
     for (const touch of ["pressed", "struck"]) for (const nuance of NUANCES) await compare(page, nuance, touch, "another stroke");
     for (const [before, act] of Object.entries(BEFORE)) {
       await act(page);
