@@ -344,15 +344,19 @@ fn tell_contacts(session: &mut Session, law: &ContactLaw, keyboard: &str, best: 
         print_line!(session, "{}", Table::of(heads, rows.collect::<Vec<_>>()));
     }
     print_line!(session, "A note ends as contact {} opens.", law.off + 1);
-    if let Some(([upper_m, lower_m], counts)) = best {
-        let own = error_counts(&law.tables[0], law.period_s);
-        print_line!(
-            session,
-            "Errors are {own:.1} counts rms; contacts at {:.1} and {:.1} mm would err least: {counts:.1}.",
-            1e3 * upper_m,
-            1e3 * lower_m
-        );
-    }
+    let own = error_counts(&law.tables[0], law.period_s);
+    print_line!(
+        session,
+        "{}",
+        match best {
+            Some(([upper_m, lower_m], counts)) if counts < own => format!(
+                "Errors are {own:.1} counts rms; contacts at {:.1} and {:.1} mm would err least: {counts:.1}.",
+                1e3 * upper_m,
+                1e3 * lower_m
+            ),
+            _ => format!("Errors are {own:.1} counts rms."),
+        }
+    );
 }
 
 fn contacts_answer(law: &ContactLaw, best: Option<([f64; 2], f64)>) -> Result<Answer, Failure> {

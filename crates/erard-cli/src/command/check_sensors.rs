@@ -39,9 +39,10 @@ pub(super) fn table(session: &mut Session, path: &Path, beginning: &str) -> Resu
             Law::table(&read.points).map_err(|fault| Failure::Usage(format!("{name}: {fault}")))?;
             law(session, &name, "law of velocities", "erard play --law")
         }
-        head => match Head::parse(head) {
-            Ok(head) => stream(session, path, &name, head)?,
-            Err(_) => return Ok(None),
+        head => match (Head::parse(head), Reader::of_rows(head, 1.0)) {
+            (Ok(head), _) => stream(session, path, &name, Reader::new(head), None)?,
+            (Err(_), Ok(rows)) => stream(session, path, &name, rows, Some(head))?,
+            (Err(_), Err(_)) => return Ok(None),
         },
     }))
 }
@@ -51,13 +52,24 @@ fn law(session: &mut Session, name: &str, kind: &str, option: &str) -> Value {
     checked(kind, name, None, [])
 }
 
-fn stream(session: &mut Session, path: &Path, name: &str, head: Head) -> Result<Value, Failure> {
+/// A stream; of rows without times its header.
+fn stream(
+    session: &mut Session,
+    path: &Path,
+    name: &str,
+    mut reader: Reader,
+    rows: Option<&str>,
+) -> Result<Value, Failure> {
     let unread = |error: std::io::Error| Failure::Usage(format!("{name}: cannot be read: {error}"));
     let input = session.inputs.open(path).map_err(unread)?;
-    let (mut reader, mut keys, mut samples, mut has_begun) = (Reader::new(head), BTreeSet::new(), 0, false);
+    let (mut keys, mut samples, mut has_begun) = (BTreeSet::new(), 0, false);
     let (mut malformed, mut ends_s): (Vec<(usize, Fault)>, Option<[f64; 2]>) = (Vec::new(), None);
     for (index, line) in BufReader::new(input).lines().enumerate() {
         let line = line.map_err(unread)?;
+        if !has_begun && rows.is_some_and(|head| line.trim().trim_start_matches('\u{feff}') == head) {
+            has_begun = true;
+            continue;
+        }
         match reader.samples(&line) {
             Ok(all) => {
                 // The first line that counts is the header.
@@ -74,17 +86,20 @@ fn stream(session: &mut Session, path: &Path, name: &str, head: Head) -> Result<
             Err(fault) => malformed.push((index + 1, fault)),
         }
     }
-    let what = match head.quantity {
+    let what = match reader.quantity() {
         SensorUnit::Millimetres => "travels of keys, mm",
         SensorUnit::Newtons => "forces on keys, N",
         SensorUnit::Raw => "raw readings",
         SensorUnit::Pressure => "polyphonic pressures",
         SensorUnit::Contacts => "edges of contacts",
     };
-    print_line!(session, "{name}: a stream of sensors, {what}, for `erard live {name}`");
+    let rate = if rows.is_some() { " --rate HZ" } else { "" };
+    print_line!(session, "{name}: a stream of sensors, {what}, for `erard live {name}{rate}`");
     print_line!(session);
-    let [from_s, to_s] = ends_s.unwrap_or_default();
-    print_line!(session, "  {samples} samples of {} keys, {from_s} to {to_s} s", keys.len());
+    // To a microsecond.
+    let [from_s, to_s] = ends_s.unwrap_or_default().map(|s| (1e6 * s).round() / 1e6);
+    let span = if rows.is_some() { "without times".to_owned() } else { format!("{from_s} to {to_s} s") };
+    print_line!(session, "  {samples} samples of {} keys, {span}", keys.len());
     if let Some((line, fault)) = malformed.first() {
         print_line!(session, "  {} lines are no samples; the first, line {line}: {fault}", malformed.len());
     }

@@ -58,7 +58,7 @@ impl StreamSummary {
         counted(r.stream_gaps, "gaps of more than 1 s in the whole stream: held notes ended");
         counted(r.new_clocks, "new clocks, a header or stamps that go back: held notes ended");
         counted(r.unseen_releases, "note-offs whose release was not seen: sent as 64");
-        counted(r.uncalibrated, "samples skipped: their keys have no stops in the calibration");
+        counted(r.uncalibrated, "samples skipped: their keys or contacts are not in the calibration");
         counted(r.gaps, "gaps of 0.1 s or more while the key was off its rest");
         counted(r.stalls, "stalls: all keys were let go");
         counted(r.drifts_beyond, "drifts beyond 15 % of a sensor's range");

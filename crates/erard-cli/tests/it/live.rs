@@ -477,6 +477,7 @@ fn sensed_hammers_become_notes() {
     folder.good(&["live", "timed.csv", "--calibration", "a.toml", "--out-file", "take.mid"]);
     for (name, part) in [
         ("timed.csv", "16000 samples of 1 keys, 0 to 3.9995 s"),
+        ("rows.csv", "16000 samples of 1 keys, without times"),
         ("a.toml", "1 hammers, 1 with a sensor of releases"),
         ("ruler.csv", "erard calibrate --sensor-law ruler.csv"),
         ("law.csv", "erard play --law law.csv"),
