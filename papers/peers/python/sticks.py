@@ -25,7 +25,7 @@ BLOCK = f"""
   </worldbody>
 </mujoco>"""
 
-# A cylinder of 4 cm and 0.1 kg between a wall and a pad that pushes with 5 N: friction can carry 5 N, the weight is 0.98 N.
+# A cylinder of 4 cm and 0.1 kg between a wall and a pad that pushes with 5 N: friction can carry 5 N, it weighs 0.98 N.
 PINCHED = f"""
 <mujoco>
   <option gravity="0 0 {-GRAVITY}"/>

@@ -8,8 +8,8 @@ use erard::player::Input;
 use erard::run::{Events, Setup, SimulationError};
 
 use super::error::SensitivityError;
+use super::mark::{Mark, STEP_ERROR};
 use super::variable::Variable;
-use super::{Mark, STEP_ERROR};
 use crate::cores;
 use crate::measure::weights::Touch;
 use crate::study::{Job, JobResult, OUTCOMES, Played, Stroke, Workers, play_all};

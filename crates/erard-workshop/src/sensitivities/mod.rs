@@ -12,6 +12,7 @@
 mod differences;
 mod error;
 mod gradient;
+mod mark;
 mod parting;
 mod passes;
 mod variable;
@@ -19,6 +20,8 @@ mod variable;
 pub use error::SensitivityError;
 pub(crate) use gradient::Sampled;
 pub use gradient::{Differentiation, Gradient, SHORTER, ValueAndSlopes, gradient};
+pub use mark::Mark;
+use mark::SHARES;
 pub use parting::{Event, Refusal};
 pub use passes::Rest;
 pub use variable::{Variable, VariableError};
@@ -31,6 +34,7 @@ use erard::run::Setup;
 use crate::study::Stroke;
 use differences::{Differences, OtherWindows, STEPS, Window};
 use gradient::{NEGLIGIBLE, converges};
+use mark::STEP_ERROR;
 use parting::parting;
 use passes::{How, Passes, passes};
 
@@ -100,42 +104,6 @@ pub fn quantities() -> Vec<SensitivityOutcome> {
         weight("balance_weight_g", "balance weight"),
     ];
     followed.into_iter().chain(weights).collect()
-}
-
-/// Remark on a derivative.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mark {
-    /// No remark.
-    None,
-    /// Derivatives differ between step lengths: there is none.
-    Unconverged,
-    /// Differences to the two sides have different slopes: the solution jumps or has a corner within the window.
-    Jumps,
-    /// Differences over the window disagree with the derivative, and those over a narrower one agree: it holds for a
-    /// smaller neighbourhood only.
-    Local,
-    /// Differences over the window disagree with the derivative, and those over a wider one agree: no switch of
-    /// friction or contact moves by a whole step over the narrow one.
-    Steps,
-    /// Differences disagree with the derivative over every window.
-    Apart,
-    /// The number cannot be changed to both sides.
-    OneSided,
-}
-
-impl Mark {
-    /// Returns the name in results; empty for none.
-    pub fn name(self) -> &'static str {
-        match self {
-            Mark::None => "",
-            Mark::Unconverged => "unconverged",
-            Mark::Jumps => "jumps",
-            Mark::Local => "local",
-            Mark::Steps => "steps",
-            Mark::Apart => "apart",
-            Mark::OneSided => "one-sided",
-        }
-    }
 }
 
 /// Derivative of a quantity by a variable.
@@ -357,9 +325,3 @@ fn judged(
     };
     row_of(place, slope, spread, differences, mark)
 }
-
-/// Steps of the differentiated press, as shares of the stroke's own.
-pub(crate) const SHARES: [f64; 3] = [0.5, 0.4, 0.25];
-/// Error of the middle one of three derivatives in steps of [`SHARES`], in units of half their range, if it is in
-/// proportion to the step.
-const STEP_ERROR: f64 = 2.0 * SHARES[1] / (SHARES[0] - SHARES[2]);

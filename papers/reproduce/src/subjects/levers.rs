@@ -2,9 +2,14 @@
 
 use erard_kinematics::three_lever::{Drive, Levers, Move, Regulation, StrokePose};
 
-use super::impact::tell;
+use moreau::Settings;
+
+use super::impact::{Play, tell};
 use super::{Chart, ChartCurve, ChartPanel, Claim, Dash, Progress, ReproduceError, Section, Table};
 use erard::instrument::Instrument;
+use erard::player;
+use erard::run::{Setup, simulate};
+use erard::stroke::{PositionSeries, Touch};
 use erard_kinematics::{Case, Design, Digest, LinkageFile, derive, slow_press};
 
 const POSES: usize = 200;
@@ -51,6 +56,8 @@ pub(super) fn section(instrument: &Instrument, progress: &mut Progress) -> Resul
     figures(&design, &cases, &mut section);
     conclusions(&cases, &mut section);
     slow(instrument, &mut section)?;
+    tell(progress, 0.5)?;
+    consequence(instrument, &cases, &mut section)?;
     tell(progress, 1.0)?;
     Ok(section)
 }
@@ -163,6 +170,79 @@ fn slow(instrument: &Instrument, section: &mut Section) -> Result<(), ReproduceE
         "the dynamic model, pressed slowly, has the leverage of its geometry within 2 %",
         measured,
         holds,
+    ));
+    Ok(())
+}
+
+/// Key travel at which hammer speeds are compared, m: on the way up, before anything is let off.
+const COMPARED_M: f64 = 6e-3;
+/// Rise of the hammer up to which losses are compared, m.
+const RISEN_M: f64 = 25e-3;
+
+/// What [H] concludes from leverage for the hammer's speed, and from sliding for losses, in the dynamic model: the same
+/// key motion with the capstan and the knuckle moved as in the figures.
+fn consequence(
+    instrument: &Instrument,
+    cases: &[(&str, Case, Digest)],
+    section: &mut Section,
+) -> Result<(), ReproduceError> {
+    let zone = |name: &str| instrument.zones.iter().position(|zone| zone.name == name);
+    let (Some(capstan), Some(knuckle)) = (zone("capstan_heel"), zone("jack_knuckle")) else {
+        section.text.push("The instrument has no capstan_heel and jack_knuckle: no dynamic consequences.".to_owned());
+        return Ok(());
+    };
+    let reference = Play::Stroke("mf", Touch::Pressed).run(instrument, Settings::new(25e-6), 0.2, 20)?;
+    let motion = PositionSeries::new(reference.time_s, reference.key_m)
+        .map_err(|e| ReproduceError::Instrument(format!("the key's motion gives no series: {e}")))?;
+    let position = motion.drive();
+    let drive = player::rigid(&position);
+    // Hammer speed at that travel, m/s, and energy lost by sliding up to that rise, J.
+    let at = |zone: usize, by_m: f64| -> Result<[f64; 2], ReproduceError> {
+        let mut moved = instrument.clone();
+        moved.edit(|fields| fields.zones[zone].disc_center_m[0] += by_m)?;
+        let play = |duration_s: f64| {
+            let setup = Setup { settings: Settings::new(25e-6), record_every: Some(1), ..Setup::new(duration_s) };
+            simulate(&moved, &drive, &setup, &mut |_| true)
+        };
+        let whole = play(0.2)?;
+        let row = |of: &[f64], from_m: f64| {
+            let row = of.iter().position(|m| *m >= from_m);
+            row.ok_or_else(|| ReproduceError::Instrument("key and hammer do not come so far".to_owned()))
+        };
+        let (down, risen) = (row(&whole.key_m, COMPARED_M)?, row(&whole.hammer_rise_m, RISEN_M)?);
+        let until = play(whole.time_s[risen])?;
+        let slid_j = until.ledger.as_ref().map_or(f64::NAN, |ledger| ledger.coulomb);
+        Ok([whole.hammer_rise_m_per_s[down], slid_j])
+    };
+    let [own, by_capstan, by_knuckle] = [at(capstan, 0.0)?, at(capstan, -0.010)?, at(knuckle, -0.003)?];
+    let shown = |[speed, _]: [f64; 2]| format!("{speed:.3} m/s for {:.3} m/s, {:.0} mm down", own[0], 1e3 * COMPARED_M);
+    section.claims.push(Claim::new(
+        "[H] conclusions",
+        "same key motion, capstan 10 mm toward the player: the hammer is slower",
+        shown(by_capstan),
+        by_capstan[0] < own[0],
+    ));
+    section.claims.push(Claim::new(
+        "[H] conclusions",
+        "same key motion, knuckle 3 mm toward the hammer's pivot: the hammer is faster",
+        shown(by_knuckle),
+        by_knuckle[0] > own[0],
+    ));
+    let [own_way, way] = [0, 2].map(|case| cases[case].2.knuckle_way_m);
+    let more = way > own_way;
+    let word = if more { "more" } else { "less" };
+    section.claims.push(Claim::new(
+        "[H] conclusions",
+        format!("that knuckle slides {word} on the jack, and {word} energy is lost by sliding"),
+        format!(
+            "{:.2} mm for {:.2} mm up to let-off; {:.3} mJ for {:.3} mJ until the hammer is {:.0} mm up",
+            1e3 * way,
+            1e3 * own_way,
+            1e3 * by_knuckle[1],
+            1e3 * own[1],
+            1e3 * RISEN_M
+        ),
+        (by_knuckle[1] > own[1]) == more,
     ));
     Ok(())
 }
