@@ -174,7 +174,7 @@ fn bytes(session: &mut Session, file: &Path) -> Result<Vec<u8>, Failure> {
 }
 
 /// The key of the first note in a name: a letter that begins a word, an accidental (`#`, `b`, or `s` for sharp), and an
-/// octave that is no part of a longer number.
+/// octave that does not continue as a longer number.
 fn key_in(name: &str) -> Option<usize> {
     let letters: Vec<char> = name.replace('♯', "#").replace('♭', "b").chars().collect();
     let starts = (0..letters.len()).filter(|at| *at == 0 || !letters[at - 1].is_alphanumeric());

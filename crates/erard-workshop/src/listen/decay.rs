@@ -62,8 +62,9 @@ impl fmt::Display for Shape {
     }
 }
 
-/// Straight lines through a falling level, by least squares over the logarithm of time: one, and two that meet. Fitted from its largest value
-/// until it is 45 dB lower, sinks into the noise, or the sound ends. Rates are positive where the level falls.
+/// Straight lines through a falling level, by least squares over the logarithm of time: one, and two that meet. Fitted
+/// from its largest value until it is 45 dB lower, sinks into the noise, or the sound ends. Rates are positive where
+/// the level falls.
 ///
 /// Beats that are slower than the fall that is heard (their period longer than two thirds of it) may look like two
 /// stages: no fit of lines tells them apart.
@@ -97,8 +98,9 @@ impl Decay {
     }
 }
 
-/// Fits levels of windows of this effective length, s, counted in time from the note's beginning, from their largest value within the first tenth of `fall_s` or
-/// of all times. `floor_db` is the level at a time below which there is noise only. `None` where too little is left.
+/// Fits levels of windows of this effective length, s, counted in time from the note's beginning, from their largest
+/// value within the first tenth of `fall_s` or of all times. `floor_db` is the level at a time below which there is
+/// noise only. `None` where too little is left.
 pub(super) fn decay(
     points: &[Point],
     window_s: f64,

@@ -3,7 +3,7 @@
 //! [`listen`] measures one note; [`summary`] gathers a key's notes of several loudnesses. Recordings of a piano and the
 //! model's sound go through the same code, so that their rows can be compared.
 //!
-//! A level is the mean power of all channels in a window, in dB; 0 dB is a constant of 1 in every channel (full scale of
+//! A level is the mean power of all channels in a window, dB; 0 dB is a constant of 1 in every channel (full scale of
 //! a file, 1 N of a modelled force on the bridge). The effective length of a window, the reciprocal of its noise
 //! bandwidth, is a tenth of the time in which what it measures falls by 20 dB, or less.
 

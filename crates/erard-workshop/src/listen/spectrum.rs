@@ -19,13 +19,13 @@ const LONGEST_S: f64 = 1.5;
 const PERIODS: f64 = 12.0;
 /// Bins of the padded transform to one of the sound's.
 const PADDING: usize = 4;
-/// What is lower than this share of a note's frequency is no part of it.
+/// What is lower than this share of a note's frequency is a knock.
 const KNOCK: f64 = 0.4;
 /// How far a note may be from equal temperament, cents.
 const TUNED_CENTS: i32 = 60;
 /// How much more for each key above C7, cents: the highest notes are stretched.
 const TREBLE_CENTS: i32 = 4;
-/// Range of inharmonicity around what is usual for a key, as a factor, and its number of steps.
+/// Range of inharmonicity around a key's usual one, as a factor, and its number of steps.
 const AROUND: f64 = 6.0;
 const STEPS: i32 = 36;
 /// Partials that place a note.
@@ -170,7 +170,7 @@ struct Peak {
     power: f64,
 }
 
-/// The sum of the power spectra of series of one length.
+/// The sum of the power spectra of series of equal size.
 fn summed(series: impl Iterator<Item = Vec<f64>>, size: usize) -> Vec<f64> {
     let transform = Fourier::of(size);
     let mut sum = vec![0.0; size];
@@ -233,8 +233,8 @@ pub(super) struct Tones {
 }
 
 impl Tones {
-    /// Fits the partials without those that are farther from the fit than four times the median distance and a 50th of a
-    /// line's width, Hz, in three rounds. Fewer than five leave the fit as it is.
+    /// Fits the partials without those that are farther from the fit than four times the median distance and a 50th of
+    /// a line's width, Hz, in three rounds. Fewer than five leave the fit as it is.
     fn drop_outliers(&mut self, width_hz: f64) {
         for _ in 0..3 {
             let Some(fit) = Fit::of(&self.found).filter(|_| self.found.len() >= FEWEST) else { return };

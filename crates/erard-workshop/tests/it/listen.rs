@@ -137,8 +137,8 @@ fn two_lines_are_found_where_they_are() {
     }
 }
 
-/// Two exponentials a partial, the slow one weaker by 26 dB and a quarter of a turn behind, so that their powers add: the
-/// rates of both are found, although their sum is rounder than two lines that meet.
+/// Two exponentials a partial, the slow one weaker by 26 dB and a quarter of a turn behind, so that their powers add:
+/// the rates of both are found, although their sum is rounder than two lines that meet.
 #[test]
 fn two_exponentials_are_two_stages() {
     for (key, b, fast, slow, duration_s) in
