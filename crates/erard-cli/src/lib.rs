@@ -19,7 +19,6 @@ mod diagnose;
 mod excerpt;
 pub mod failure;
 mod fit;
-#[cfg(feature = "listen")]
 mod heard;
 pub mod identity;
 pub mod inputs;

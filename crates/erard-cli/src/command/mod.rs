@@ -28,6 +28,7 @@ mod press_pair;
 mod regulate;
 mod renamed;
 mod scan;
+mod sound;
 mod studio;
 mod study;
 mod validate;

@@ -146,6 +146,7 @@ const CALLS: &[(&str, &[&[&str]])] = &[
     ("regulate", &[&["regulate", "mine.toml", "--let-off", "2mm", "--out-file", "regulated.toml", "--force"]]),
     ("validate", &[&["validate"], &["validate", "--instrument", "heavy-touch"]]),
     ("validate-cases", &[&["validate", "--cases=choose"]]),
+    ("validate-sound", &[&["validate", "--sound", "A5,C6", "--instrument", "concert-grand-strings"]]),
     ("validate-bands", &[&["validate", "--bands=2"]]),
     (
         "check",
