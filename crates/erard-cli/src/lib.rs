@@ -10,6 +10,8 @@
 )]
 
 pub mod answer;
+#[cfg(feature = "listen")]
+mod audio;
 mod cache;
 pub mod command;
 mod compare;
@@ -17,6 +19,7 @@ mod diagnose;
 mod excerpt;
 pub mod failure;
 mod fit;
+mod heard;
 pub mod identity;
 pub mod inputs;
 mod inside;

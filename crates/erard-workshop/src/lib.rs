@@ -14,6 +14,7 @@ pub mod distances;
 pub mod first_impact;
 pub mod fit;
 pub mod fmu;
+pub mod listen;
 pub mod measure;
 pub mod regulate;
 pub mod sample;

@@ -16,6 +16,8 @@ mod hand;
 mod keyboard;
 mod kinematics;
 mod list;
+#[cfg(feature = "listen")]
+mod listen;
 mod live;
 mod manual;
 mod measure;
@@ -27,6 +29,7 @@ mod press_pair;
 mod regulate;
 mod renamed;
 mod scan;
+mod sound;
 mod studio;
 mod study;
 mod validate;
@@ -93,6 +96,9 @@ enum Sub {
     Regulate(Box<regulate::Regulate>),
     /// Compares an instrument with published measurements of real pianos.
     Validate(validate::Validate),
+    /// Measures recordings of single notes: decay of the level and of each partial, inharmonicity, centroid.
+    #[cfg(feature = "listen")]
+    Listen(listen::Listen),
     /// Checks a file of any kind that Erard reads, and shows its contents.
     Check(check::Check),
     /// Compares a recording with the models.
@@ -133,6 +139,8 @@ impl Sub {
             Sub::Kinematics(kinematics) => kinematics.run(session),
             Sub::Regulate(regulate) => regulate.run(session),
             Sub::Validate(validate) => validate.run(session),
+            #[cfg(feature = "listen")]
+            Sub::Listen(listen) => listen.run(session),
             Sub::Check(check) => check.run(session),
             Sub::Compare(compare) => compare.run(session),
             Sub::Fit(fit) => fit.run(session),

@@ -3,6 +3,7 @@
 use super::bands::{self, BandOptions, BandRow, Banded};
 use super::cases;
 use super::out::OutOptions;
+use super::sound;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::instruments::{KeyboardKey, load_instrument_and_text};
@@ -11,6 +12,7 @@ use crate::session::Session;
 use crate::table::{Table, three};
 use clap::Args;
 use erard::instrument_spec::InstrumentSpec;
+use erard::key::keys_named;
 use erard::keyboard::Keyboard;
 use erard_figures::Picture;
 use erard_figures::figure::{Dash, Figure, Marker, Panel, Trace, figure_picture};
@@ -41,6 +43,18 @@ pub(crate) struct Validate {
         conflicts_with_all = ["instrument", "bands"]
     )]
     cases: Option<cases::Which>,
+    /// Play notes instead, and compare their decay and timbre with those of a recorded grand: all 30 notes that were
+    /// recorded, or those of these keys (numbers or notes with commas, `C2..C6` for a range). Needs a keyboard with
+    /// modal strings: --instrument concert-grand-strings
+    #[arg(
+        long,
+        value_name = "KEYS",
+        num_args = 0..=1,
+        default_missing_value = "A0..C8",
+        value_parser = keys,
+        conflicts_with_all = ["cases", "bands"]
+    )]
+    sound: Option<Keys>,
     /// Exit with code 1 if a row is missed
     #[arg(long)]
     fail_on_miss: bool,
@@ -50,11 +64,22 @@ pub(crate) struct Validate {
     out: OutOptions,
 }
 
+/// Keys of a list.
+#[derive(Debug, Clone)]
+struct Keys(Vec<usize>);
+
+fn keys(text: &str) -> Result<Keys, String> {
+    keys_named(text).map(Keys).map_err(|error| error.to_string())
+}
+
 impl Validate {
     /// Runs the command.
     pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
         if let Some(which) = &self.cases {
             return cases::run(session, &self.out, which, self.fail_on_miss);
+        }
+        if let Some(Keys(keys)) = &self.sound {
+            return sound::run(session, &self.out, &self.instrument, keys, self.fail_on_miss);
         }
         self.bands.check(&self.instrument)?;
         let (instrument, text) = load_instrument_and_text(session, &self.instrument)?;

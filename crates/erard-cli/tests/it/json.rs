@@ -146,6 +146,7 @@ const CALLS: &[(&str, &[&[&str]])] = &[
     ("regulate", &[&["regulate", "mine.toml", "--let-off", "2mm", "--out-file", "regulated.toml", "--force"]]),
     ("validate", &[&["validate"], &["validate", "--instrument", "heavy-touch"]]),
     ("validate-cases", &[&["validate", "--cases=choose"]]),
+    ("validate-sound", &[&["validate", "--sound", "A5,C6", "--instrument", "concert-grand-strings"]]),
     ("validate-bands", &[&["validate", "--bands=2"]]),
     (
         "check",
@@ -259,6 +260,7 @@ const CALLS: &[(&str, &[&[&str]])] = &[
             &["scan", "--cases", "half-stroke", "--keys", "40", "--keyboard", "concert-grand", "--no-scatter"],
         ],
     ),
+    ("listen", &[&["listen", "C4.wav"]]),
     ("list", &[&["list"], &["kinematics", "--list"]]),
     (
         "kinematics",
@@ -321,7 +323,7 @@ fn infer(values: &[&Value], key: &str) -> Value {
 }
 
 /// Commands that answer within a second.
-const QUICK: [&str; 8] = ["press", "press-two", "draw", "list", "diagnose", "text", "man", "fmu"];
+const QUICK: [&str; 9] = ["press", "press-two", "draw", "list", "listen", "diagnose", "text", "man", "fmu"];
 
 #[test]
 fn quick_commands_answer_by_their_schemas() {
@@ -437,6 +439,7 @@ fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
     folder.file("noisy.csv", &noisy);
     folder.file("sensed.csv", &crate::live::sensed("mm", 0.0, 9.9));
     folder.file("readings.csv", &crate::live::sensed("raw", 3000.0, 1000.0));
+    std::fs::write(folder.0.join("C4.wav"), crate::listen::two_stages(0.3)).unwrap();
     folder.file("weighed.csv", crate::weigh::FEW_KEYS);
     folder.file("stuck.toml", crate::keyboard::STUCK);
     folder.file("grand.toml", include_str!("../../../../instruments/concert-grand.toml"));

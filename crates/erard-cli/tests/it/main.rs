@@ -24,6 +24,7 @@ mod keyboard;
 mod kinematics;
 mod levels;
 mod limits;
+mod listen;
 mod live;
 mod measure;
 mod nothing_lost;

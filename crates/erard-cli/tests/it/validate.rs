@@ -94,3 +94,31 @@ fn published_pianos() {
     assert!(folder.bad(&["--cases=some"]).contains("`choose`, `judge`, or names with commas out of"));
     assert!(folder.bad(&["--cases", "--instrument", "heavy-touch"]).contains("cannot be used with"));
 }
+
+/// A note beside the recorded one: its row has both, in the table and in words; what has no sound is refused.
+#[test]
+#[ignore = "ci: notes of eight seconds"]
+fn notes_are_compared_with_recorded_ones() {
+    let folder = Folder::for_command("validate", "sound");
+    let told = folder.good(&["--sound", "A5", "--instrument", "concert-grand-strings", "--out", "out"]);
+    assert!(told.contains("A5") && told.lines().all(|line| line.chars().count() <= 100), "{told}");
+    let report: Value = serde_json::from_str(&folder.read("out/sound.json")).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    let row = |quantity: &str| rows.iter().find(|row| row["quantity"] == quantity).unwrap();
+    let number = |row: &Value, name: &str| row[name].as_f64().unwrap();
+    // The recorded A5 falls by 20 dB in 0.66 s (measured apart, by another program).
+    let t20 = row("t20");
+    assert!((number(t20, "recorded") - 0.66).abs() < 0.06, "{t20}");
+    assert!((number(t20, "ratio") - number(t20, "modelled") / number(t20, "recorded")).abs() < 2e-3, "{t20}");
+    assert_eq!((t20["use"].as_str(), rows.len()), (Some("judge"), 16));
+    assert!((number(row("inharmonicity"), "recorded") / 1.8e-3 - 1.0).abs() < 0.05, "{report}");
+    let verdicts = report["verdicts"].as_array().unwrap();
+    assert!(verdicts.iter().all(|one| one["notes"] == 1.0 && one["use"] == "judge"), "{report}");
+    let told = folder.bad(&["--sound", "C4"]);
+    assert!(told.contains("are rigid and have no sound") && told.contains("concert-grand-strings"), "{told}");
+    let told = folder.bad(&["--sound", "C4", "--instrument", "concert-grand-strings:key=C4"]);
+    assert!(told.contains("--sound plays the keys of a whole keyboard"), "{told}");
+    assert!(folder.bad(&["--sound=C#4"]).contains("none of these keys was recorded; expected some of A0, C1"));
+    assert!(folder.bad(&["--sound=H2"]).contains("expected a number from 1 to 88"));
+    assert!(folder.bad(&["--sound", "--cases"]).contains("cannot be used with"));
+}

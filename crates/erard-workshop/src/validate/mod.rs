@@ -4,7 +4,7 @@
 //! met. `presses` and `touches` simulate what the technician's sheet ([`crate::measure`]) lacks: the order of events
 //! against loudness, under constant forces and under a hand, and pressed against struck keys. [`validate`] compares
 //! both, and reports misses as misses. `cases` diagnoses published pianos and compares the answers with what was
-//! concluded or found.
+//! concluded or found. [`sounds`] compares notes with those of a recorded piano.
 
 mod cases;
 mod grands;
@@ -13,6 +13,7 @@ mod presses;
 mod published;
 pub mod release;
 mod repeats;
+mod sound;
 mod strings;
 mod touches;
 mod values;
@@ -21,6 +22,10 @@ pub use cases::{Basis, Case, CaseKey, CaseResult, CaseUse, CaseVerdict, Cases, N
 pub use grands::{BesideGrands, Timing, fastest_s, grands, published_ms};
 pub use presses::{Drive, Loudness, SimulatedPress, measure as loudness};
 pub use published::{Published, PublishedError, PublishedKind, PublishedRow};
+pub use sound::{
+    RecordedNote, SPEED_M_PER_S as SOUND_SPEED_M_PER_S, SoundError, SoundMeasures, SoundRow, SoundUse, SoundVerdict,
+    recorded_notes, sounds, verdicts,
+};
 pub use strings::Skipped;
 pub use values::names;
 

@@ -12,6 +12,7 @@ mod fit;
 mod further_instruments;
 mod fuzz_parsers;
 mod keyboard;
+mod listen;
 mod measures;
 mod press_mutants;
 mod real_piano;
