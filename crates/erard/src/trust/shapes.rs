@@ -8,8 +8,8 @@ use crate::instrument::{Curve, Instrument, Vec2};
 /// Farthest that a point of a body may lie from the rest of the body, over the body's length. The toe of a jack, which
 /// stands out, has 0.5, the capstan of a damper 0.6.
 const BODY_LENGTHS: f64 = 0.7;
-/// Farthest that the point whose speed or travel is reported may lie from the contact of the same role (the key's bottom,
-/// the string), over the body's length. A key's front has 0.05.
+/// Farthest that the point whose speed or travel is reported may lie from the contact of the same role (the key's
+/// bottom, the string), over the body's length. A key's front has 0.05.
 const APART_LENGTHS: f64 = 0.5;
 /// Least and farthest distance from its body's pivot of a point whose speed or travel is reported, over the body's
 /// radius of gyration about that pivot. The end of a uniform rod has 1.73; a key's front has 1.7, a strike point 1.2.

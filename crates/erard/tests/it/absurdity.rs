@@ -1,9 +1,9 @@
 //! Absurd instruments are not trusted, and plausible ones still are.
 //!
 //! A mutant is an instrument file with one to three numbers changed, played with a force that is taken away again.
-//! What is odd of a run is judged from its rows and from the file that the mutant was made of, not by what the run's own
-//! warnings look at. `ERARD_ABSURD=17 cargo test --release -p erard --test it absurdity -- --nocapture` tells
-//! of mutant 17 alone; `cargo test --release -p erard --test it absurdity::nightly -- --ignored --nocapture`
+//! What is odd of a run is judged from its rows and from the file that the mutant was made of, not by what the run's
+//! own warnings look at. `ERARD_ABSURD=17 cargo test --release -p erard --test it absurdity -- --nocapture` shows
+//! mutant 17 alone; `cargo test --release -p erard --test it absurdity::nightly -- --ignored --nocapture`
 //! counts all.
 
 use std::sync::atomic::{AtomicU64, Ordering};
