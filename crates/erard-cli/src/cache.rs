@@ -2,12 +2,16 @@
 //! written there is made anew.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
+use std::time::Duration;
 
 use sha2::{Digest, Sha256};
 
 use crate::identity::hex;
+
+/// Age at which what a killed program left of a text is cleared away.
+const STALE: Duration = Duration::from_secs(3600);
 
 /// Digest of the program itself: another program makes other texts.
 static PROGRAM: LazyLock<Option<Vec<u8>>> = LazyLock::new(|| {
@@ -51,10 +55,23 @@ fn checksum(text: &str) -> String {
     hex(&Sha256::digest(text))
 }
 
+/// Removes the parts of texts that killed programs left. One that is being written is younger.
+fn clear(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let is_part = entry.path().extension().is_some_and(|extension| extension == "part");
+        let written = || entry.metadata().and_then(|data| data.modified()).ok()?.elapsed().ok();
+        if is_part && written().is_some_and(|ago| ago > STALE) {
+            drop(fs::remove_file(entry.path()));
+        }
+    }
+}
+
 /// Keeps a text. It appears whole or not at all, so that an interrupted program leaves no part of one.
 pub(crate) fn put(kind: &str, of: &[&str], text: &str) {
     let Some(place) = place(kind, of) else { return };
     let Some(folder) = place.parent() else { return };
+    clear(folder);
     let part = place.with_extension(format!("{}.part", std::process::id()));
     let kept = fs::create_dir_all(folder)
         .and_then(|()| fs::write(&part, checksum(text) + "\n" + text))

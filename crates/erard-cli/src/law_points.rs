@@ -41,8 +41,10 @@ pub(crate) fn law_points(
         if index == 0 || line.is_empty() || line.starts_with('#') {
             continue;
         }
-        let numbers: Vec<f64> = line.split(',').filter_map(|text| text.trim().parse().ok()).collect();
-        let [from, to] = numbers[..] else { return Err(wrong(index + 1, "expected two numbers")) };
+        let numbers: Option<Vec<f64>> = line.split(',').map(|text| text.trim().parse().ok()).collect();
+        let Some([from, to]) = numbers.as_deref().and_then(|numbers| <[f64; 2]>::try_from(numbers).ok()) else {
+            return Err(wrong(index + 1, &format!("found `{line:.40}`; expected two numbers, as in `{head}`")));
+        };
         points.push([from, to]);
         lines.push(index + 1);
     }

@@ -194,6 +194,12 @@ impl Ledger {
         self.drive_work_in += work.max(0.0);
     }
 
+    /// All energy that can have become motion up to the last update, J: at the start, from the drive, and from heights,
+    /// springs and felts that hold less than at the start. What was lost on the way is included.
+    pub fn given(&self) -> f64 {
+        self.drive_work + self.start.total() - (self.now.total() - self.now.kinetic)
+    }
+
     /// Evaluates the stored energy of a state. The residual refers to the last call.
     pub fn update_energies<T: Scalar, const B: usize, const Z: usize>(
         &mut self,

@@ -184,10 +184,15 @@ fn what_is_wrong_is_named() {
     let folder = folder("wrong");
     folder.file("empty.csv", "");
     folder.file("swapped.csv", "key,DW,UW\n40,18,58\n");
+    folder.file("cut.csv", "key,DW,UW\n40,58,18\n41,5");
     folder.file("other.json", "{\"a\": 1}");
     for (arguments, told) in [
         (&[][..], "no reading was given; expected options such as --down-weight 58"),
         (&["missing.csv"], "missing.csv"),
+        (
+            &["cut.csv"],
+            "cut.csv:3: 2 cells where the header has 3: the row is cut short; expected a cell for every column",
+        ),
         (&["empty.csv"], "empty.csv: the file is empty; expected a header such as"),
         (&["swapped.csv"], "swapped.csv:2: column `up_weight_g`"),
         (&["other.json"], "expected the measure.json of `erard measure`"),

@@ -326,6 +326,15 @@ fn a_rulers_table_is_a_law() {
     folder.file("back.csv", "raw,mm\n500,0\n600,4\n# again\n700,3\n900,10\n");
     let said = folder.bad(&["calibrate", "readings.csv", "--sensor-law", "back.csv"]);
     assert!(Folder::words(&said).contains("back.csv, line 5: reading 700 at 3 mm after 4 mm; expected"), "{said}");
+    for (cut, told) in [
+        ("500,0\n700,x,4\n", "found `700,x,4`"),
+        ("500,0\n700\n", "found `700`"),
+        ("500,0\n\"700,4\n", "found `\"700,4`"),
+    ] {
+        folder.file("cut.csv", &format!("raw,mm\n{cut}"));
+        let said = Folder::words(&folder.bad(&["calibrate", "readings.csv", "--sensor-law", "cut.csv"]));
+        assert!(said.contains(&format!("cut.csv, line 3: {told}; expected two numbers, as in `raw,mm`")), "{said}");
+    }
     folder.file("flat.csv", "raw,mm\n500,0\n500,4\n500,10\n");
     let said = folder.bad(&["calibrate", "readings.csv", "--sensor-law", "flat.csv"]);
     assert!(Folder::words(&said).contains("flat.csv: readings from 500 at 0 mm to 500 at 10 mm do not rise"), "{said}");

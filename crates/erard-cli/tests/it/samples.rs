@@ -60,6 +60,61 @@ mod nightly {
         assert_eq!(whole, fs::read(&kept[0]).unwrap());
     }
 
+    /// Two programs on one cache, and one that is killed as soon as it has begun to write there: every result is that
+    /// of the first, and the cache is whole afterwards. What a killed program left is cleared away when it is old.
+    #[cfg(unix)]
+    #[test]
+    #[ignore = "nightly: a sample, drawn ten times"]
+    fn two_programs_share_a_cache_and_a_kill_spoils_nothing() {
+        use std::process::Stdio;
+        use std::time::{Duration, SystemTime};
+        let folder = Folder::new("samples-shared-cache");
+        let cache = folder.0.join("cache/erard");
+        let listing = || {
+            let mut command = folder.command(&["list", "concert-grand:sample=8"]);
+            command.env("XDG_CACHE_HOME", folder.0.join("cache")).stdout(Stdio::piped()).stderr(Stdio::piped());
+            command.spawn().unwrap()
+        };
+        let kept = || -> Vec<String> {
+            let entries = fs::read_dir(&cache).into_iter().flatten();
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+        };
+        let told = |child: std::process::Child| {
+            let output = child.wait_with_output().unwrap();
+            assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+            output.stdout
+        };
+        let both = [listing(), listing()].map(told);
+        assert_eq!(both[0], both[1]);
+        assert_eq!(kept().len(), 1, "{:?}", kept());
+        let mut killed = 0;
+        for _ in 0..3 {
+            fs::remove_dir_all(&cache).unwrap();
+            let mut child = listing();
+            while kept().is_empty() && child.try_wait().unwrap().is_none() {
+                std::thread::sleep(Duration::from_micros(20));
+            }
+            child.kill().unwrap();
+            killed += u32::from(!child.wait().unwrap().success());
+            assert_eq!(told(listing()), both[0]);
+            let whole = kept().iter().filter(|name| !name.ends_with(".part")).count();
+            assert_eq!(whole, 1, "{:?}", kept());
+        }
+        println!("{killed} of 3 were killed");
+        // A part that is an hour old goes at the next write, a young one stays: another program may be writing it.
+        fs::remove_dir_all(&cache).unwrap();
+        fs::create_dir_all(&cache).unwrap();
+        for (name, age) in [("sample-0.1.part", 7200), ("sample-0.2.part", 60), ("sample-0", 7200)] {
+            fs::write(cache.join(name), "half").unwrap();
+            let file = fs::File::options().write(true).open(cache.join(name)).unwrap();
+            file.set_modified(SystemTime::now() - Duration::from_secs(age)).unwrap();
+        }
+        assert_eq!(told(listing()), both[0]);
+        let now = kept();
+        assert!(!now.contains(&"sample-0.1.part".to_owned()), "{now:?}");
+        assert!(["sample-0.2.part", "sample-0"].iter().all(|name| now.contains(&(*name).to_owned())), "{now:?}");
+    }
+
     /// Every command gives its values bands over the same samples, and the same again.
     #[test]
     #[ignore = "nightly: samples of a grand"]

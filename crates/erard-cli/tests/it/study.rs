@@ -266,6 +266,29 @@ fn interrupted() {
     assert!(folder.names().is_empty(), "{:?}", folder.names());
 }
 
+/// The largest study there is ends within seconds of Control-C, whenever it comes, and leaves nothing; a larger one is
+/// refused before any work.
+#[cfg(unix)]
+#[test]
+#[ignore = "ci: a study is interrupted five times"]
+fn the_largest_is_interrupted() {
+    let folder = Folder::for_command("study", "largest");
+    let of = |forces: &'static str| ["--vary", "let_off=-1mm..1mm:2000", "--vary", forces];
+    let said = folder.bad(&of("force=3N..8N:1001"));
+    assert!(said.contains("more than 2000000 strokes"), "{said}");
+    for wait_ms in [0, 50, 300, 1000, 2500] {
+        let mut child = folder.command(&of("force=3N..8N:1000")).spawn().unwrap();
+        until_it_listens(&mut child);
+        std::thread::sleep(std::time::Duration::from_millis(wait_ms));
+        let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        assert!(killed.success());
+        let asked = std::time::Instant::now();
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{wait_ms}");
+        assert!(asked.elapsed().as_secs() < 20, "{wait_ms}: {:?}", asked.elapsed());
+        assert!(folder.names().is_empty(), "{wait_ms}: {:?}", folder.names());
+    }
+}
+
 /// Keys of a keyboard and numbers of the file are varied, and measured; each row is what `measure` finds of that
 /// instrument.
 #[test]

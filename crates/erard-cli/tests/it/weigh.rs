@@ -242,9 +242,16 @@ fn what_is_wrong_is_named() {
     folder.file("piano.csv", &piano());
     folder.file("bad.csv", "key,SW\n1,heavy\n");
     folder.file("half.csv", "key,SW\n1,9\n");
+    folder.file("cut.csv", "key,SW,FW\n1,9,20\n2,9\n");
+    folder.file("open.csv", "key,SW,leads\n1,9,\"14@165\n");
     for (arguments, told) in [
         (&["--measured", "missing.csv"][..], "missing.csv"),
         (&["--measured", "bad.csv"], "bad.csv:2: column `sw`: `heavy`; expected a number from 1 to 30 g"),
+        (
+            &["--measured", "cut.csv"],
+            "cut.csv:3: 2 cells where the header has 3: the row is cut short; expected a cell",
+        ),
+        (&["--measured", "open.csv"], "open.csv:2: a quote is not closed on its line"),
         (&["--measured", "half.csv"], "expected --target balance=38g"),
         (&["--measured", "piano.csv", "--target", "balance=heavy"], "expected balance= and a number from 10 to 90 g"),
         (&["--measured", "piano.csv", "--target", "speed=3"], "balance=38g, ratio=5.8 or inertia=0.25kg"),

@@ -114,6 +114,11 @@ pub(crate) fn rows_of_keys(text: &str, file: &str, header: &str) -> Result<KeyRo
     let Some((header_line, first)) = lines.next() else {
         return Err(fault(0, "", "the file is empty".into(), expected_header()));
     };
+    let closed = |row: &str, line: usize| match row.matches('"').count() % 2 {
+        0 => Ok(()),
+        _ => Err(fault(line, "", "a quote is not closed on its line".into(), "`\"` at the end of a cell".into())),
+    };
+    closed(first, header_line)?;
     let separator = if first.contains('\t') {
         '\t'
     } else if first.contains(';') {
@@ -134,7 +139,13 @@ pub(crate) fn rows_of_keys(text: &str, file: &str, header: &str) -> Result<KeyRo
     }
     let mut rows: Vec<KeyRow> = Vec::new();
     for (line, row) in lines {
+        closed(row, line)?;
         let cells: Vec<&str> = row.split(separator).map(cell).collect();
+        if cells.len() < table.names.len() {
+            let message =
+                format!("{} cells where the header has {}: the row is cut short", cells.len(), table.names.len());
+            return Err(fault(line, "", message, "a cell for every column, empty where nothing was measured".into()));
+        }
         if cells.len() > table.names.len() {
             let message = format!("{} cells where the header has {}", cells.len(), table.names.len());
             let expected = "a cell for every column; decimals with a point, or semicolons between cells".into();

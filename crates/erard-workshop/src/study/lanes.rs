@@ -237,18 +237,17 @@ impl<'a> Lane<'a> {
     /// Observes the present mechanism, as in a run.
     fn observe(&mut self, time_s: f64, angles: &EveryBody, velocities: &EveryBody) {
         self.observer.update(time_s, angles, velocities);
+        let Rest { site_m, head_m } = Rest::of(self.player.instrument, self.observer.as_ref());
+        let (key_m, hammer_rise_m) = (site_m - self.rest.site_m, head_m - self.rest.head_m);
+        self.extremes.note_travels(time_s, key_m, hammer_rise_m);
         if self.observer.is_far() && self.detector.awaits_impacts_only() {
             return;
         }
-        let Rest { site_m, head_m } = Rest::of(self.player.instrument, self.observer.as_ref());
-        let hammer_rise_m = head_m - self.rest.head_m;
-        self.detector.observe(
-            time_s,
-            site_m - self.rest.site_m,
-            hammer_rise_m,
-            self.observer.impact(),
-            self.observer.as_ref(),
-        );
+        self.detector.observe(time_s, key_m, hammer_rise_m, self.observer.impact(), self.observer.as_ref());
+        if let (Some(impact), Some(ledger)) = (self.observer.impact(), &self.ledger) {
+            let now = self.observer.energies();
+            self.extremes.note_blow(&impact, Ledger { now, ..ledger.clone() }.given());
+        }
         self.highest_m = self.highest_m.max(hammer_rise_m);
     }
 

@@ -13,6 +13,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::common::energy_audit::EnergyAudit;
+use crate::common::mutants::numbers;
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::Keyboard;
 use erard::one_dof;
@@ -48,36 +49,6 @@ enum Fate {
     Doubtful,
     /// Pressed, without warnings.
     Trusted,
-}
-
-/// Ranges of the numbers in a TOML text, without comments and words.
-fn numbers(text: &str) -> Vec<std::ops::Range<usize>> {
-    let (mut found, mut offset) = (Vec::new(), 0);
-    for line in text.split_inclusive('\n') {
-        let (mut quoted, mut begin) = (false, None);
-        if !line.trim_start().starts_with('#') && line.contains('=') {
-            for (i, c) in line.char_indices() {
-                let numeric = c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | 'e');
-                match begin {
-                    Some(from) if !numeric => {
-                        found.push(offset + from..offset + i);
-                        begin = None;
-                    }
-                    None if !quoted && (c.is_ascii_digit() || c == '-') && line[..i].ends_with([' ', '[', '=']) => {
-                        begin = Some(i)
-                    }
-                    _ => {}
-                }
-                quoted ^= c == '"';
-                if c == '#' && !quoted {
-                    break;
-                }
-            }
-        }
-        offset += line.len();
-    }
-    found.retain(|range| text[range.clone()].parse::<f64>().is_ok());
-    found
 }
 
 /// Changes one to five numbers of a text: by a factor, by sign, to zero, to another number of the same text, or to an

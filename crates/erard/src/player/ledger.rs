@@ -27,6 +27,11 @@ impl LedgerBook {
         self.rested = rests;
     }
 
+    /// All energy that can have become motion up to here, J ([`Ledger::given`]).
+    pub(crate) fn given(&self, mechanism: &dyn Mechanism) -> f64 {
+        self.clone().close(mechanism).given()
+    }
+
     /// The ledger up to here.
     pub(crate) fn close(mut self, mechanism: &dyn Mechanism) -> Ledger {
         update_energies(mechanism, &mut self.ledger);

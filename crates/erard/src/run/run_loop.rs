@@ -230,8 +230,12 @@ impl Observers<'_> {
             self.recorder.unchanged();
         } else {
             self.extremes.observe(time_s, now);
+            self.extremes.note_travels(time_s, key_m, hammer_rise_m);
             self.struck.observe(time_s, now);
             self.detector.observe(time_s, key_m, hammer_rise_m, impact, m);
+            if let (Some(impact), Some(ledger)) = (impact, &self.ledger) {
+                self.extremes.note_blow(&impact, ledger.given(m));
+            }
             self.recorder.step(now);
         }
         if row {

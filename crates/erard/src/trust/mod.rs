@@ -3,8 +3,9 @@
 //!
 //! A simulation always gives numbers. The following signs show that they do not describe the instrument: energy that
 //! the energy balance does not explain, steps that did not converge, a felt compressed beyond its thickness, a body
-//! turned beyond its stops, a hammer faster than any real one, strings struck in too few or too long steps, no rest to
-//! start from. A run without a warning has shown none of these signs; that does not prove it right.
+//! turned beyond its stops or to the wrong side of its rest, a hammer faster than any real one or than its energy
+//! allows, a point off its body, strings struck in too few or too long steps, no rest to start from. A run without a
+//! warning has shown none of these signs; that does not prove it right.
 //!
 //! ```
 //! use erard::{Input, Instrument, Setup, press};
@@ -19,9 +20,10 @@
 //! ```
 
 mod extremes;
+mod shapes;
 mod strings;
 
-pub use extremes::{Extremes, Furthest};
+pub use extremes::{Blow, Extremes, Furthest};
 pub use strings::Struck;
 
 use std::collections::BTreeMap;
@@ -46,6 +48,12 @@ pub(crate) const CONTACT_STEPS: u32 = 60;
 /// Tensile strength of steel wire, Pa: the thinnest music wire breaks at 3.0e9 (ASTM A228: 2.9e9 to 3.2e9 at 0.3 mm),
 /// that of treble strings at 2.5e9.
 pub(crate) const STEEL_STRENGTH_PA: f64 = 3.2e9;
+/// Highest that a key's front may rise above its rest, m. The back-rail cloth, some 5 mm thick, would be pressed by 2.5
+/// mm, with 200 N; a key that comes back from fortissimo presses it by a fifth of that.
+pub(crate) const KEY_ABOVE_REST_M: f64 = 3e-3;
+/// Deepest that the strike point may fall below its rest, m. The rest cushion lies 6 mm below, as seen from there, so
+/// that 3 mm of it would be pressed.
+pub(crate) const HAMMER_BELOW_REST_M: f64 = 1e-2;
 /// Largest angle of a body at rest from its drawn position, rad. Actions are drawn at rest; regulation turns no part by
 /// half of it.
 pub(crate) const REST_RAD: f64 = 10.0 * core::f64::consts::PI / 180.0;
@@ -69,6 +77,12 @@ pub enum WarningKind {
     LiftBeyondPin,
     /// The hammer met the string faster than any real hammer.
     HammerSpeed,
+    /// The hammer met the string faster than all energy that was given could have made it.
+    SpeedBeyondEnergy,
+    /// The key's front rose above its rest, or the hammer fell below its own.
+    BeyondRest,
+    /// A contact, hinge or role lies off its body.
+    PointOffBody,
     /// The hammer's contact with modal strings took too few steps.
     ContactSteps,
     /// The steps of an impact are too long for some partials of the strings.
@@ -94,6 +108,9 @@ impl WarningKind {
             WarningKind::TurnBeyondStops => "turn_beyond_stops",
             WarningKind::LiftBeyondPin => "lift_beyond_pin",
             WarningKind::HammerSpeed => "hammer_speed",
+            WarningKind::SpeedBeyondEnergy => "speed_beyond_energy",
+            WarningKind::BeyondRest => "beyond_rest",
+            WarningKind::PointOffBody => "point_off_body",
             WarningKind::ContactSteps => "contact_steps",
             WarningKind::PartialsBeyondStep => "partials_beyond_step",
             WarningKind::StringTension => "string_tension",
@@ -218,9 +235,65 @@ pub fn of_impacts(events: &Events) -> Option<Warning> {
     })
 }
 
-/// Doubts about the compression of felts and the turning of bodies.
+/// Doubts about the compression of felts, the turning of bodies and the energy of impacts, and about an instrument that
+/// no run is needed for: whose points lie off their bodies.
 pub fn of_extremes<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iterator<Item = Warning> + 'a {
-    of_felts(instrument, extremes).chain(of_turns(instrument, extremes)).chain(of_rest(instrument, extremes))
+    of_felts(instrument, extremes)
+        .chain(of_turns(instrument, extremes))
+        .chain(of_rest(instrument, extremes))
+        .chain(of_sides(instrument, extremes))
+        .chain(of_blow(instrument, extremes))
+        .chain(shapes::of_shapes(instrument))
+}
+
+/// A hammer faster than the energy can have made it.
+fn of_blow(instrument: &Instrument, extremes: &Extremes) -> Option<Warning> {
+    let (blow, hammer) = (extremes.blow?, instrument.roles.hammer?);
+    let first = instrument.first_piece_of(hammer);
+    let pieces = (0..instrument.bodies.len()).filter(|&body| instrument.first_piece_of(body) == first);
+    let mass_kg: f64 = pieces.map(|body| instrument.bodies[body].mass_kg).sum();
+    let most_m_per_s = blow.at_most_m_per_s(mass_kg);
+    (blow.speed_m_per_s > most_m_per_s).then(|| Warning {
+        kind: WarningKind::SpeedBeyondEnergy,
+        what: format!(
+            "the hammer of {} g reaches the string with {} m/s at {}; the {} J that finger, springs, felts and heights have given allow {}. Is its strike point off its body?",
+            rounded(mass_kg * 1e3),
+            rounded(blow.speed_m_per_s),
+            instant(blow.time_s),
+            rounded(blow.given_j),
+            rounded(most_m_per_s)
+        ),
+        part: Some(instrument.bodies[hammer].name.clone()),
+        value: blow.speed_m_per_s,
+        bound: most_m_per_s,
+        unit: "m/s",
+        time_s: Some(blow.time_s),
+    })
+}
+
+/// A key that rises above its rest, or a hammer that falls below its own: the side on which nothing drives them.
+fn of_sides<'a>(instrument: &'a Instrument, extremes: &'a Extremes) -> impl Iterator<Item = Warning> + 'a {
+    let roles = [
+        (instrument.roles.key, "front", ["rises", "above"], KEY_ABOVE_REST_M),
+        (instrument.roles.hammer, "strike point", ["falls", "below"], HAMMER_BELOW_REST_M),
+    ];
+    roles.into_iter().zip(&extremes.beyond_rest).filter_map(|((body, point, [moves, side], most_m), furthest)| {
+        let (name, beyond_m) = (&instrument.bodies[body?].name, -furthest.value);
+        (beyond_m > most_m).then(|| Warning {
+            kind: WarningKind::BeyondRest,
+            what: format!(
+                "the {point} of `{name}` {moves} {} mm {side} its rest at {}; expected at most {}. Is a stop missing?",
+                rounded(beyond_m * 1e3),
+                instant(furthest.time_s),
+                rounded(most_m * 1e3)
+            ),
+            part: Some(name.clone()),
+            value: beyond_m,
+            bound: most_m,
+            unit: "m",
+            time_s: Some(furthest.time_s),
+        })
+    })
 }
 
 /// The body that rests furthest from its drawn position, if that is too far.
@@ -440,6 +513,9 @@ mod tests {
             WarningKind::FeltBeyondThickness,
             WarningKind::TurnBeyondStops,
             WarningKind::HammerSpeed,
+            WarningKind::SpeedBeyondEnergy,
+            WarningKind::BeyondRest,
+            WarningKind::PointOffBody,
             WarningKind::ContactSteps,
             WarningKind::PartialsBeyondStep,
             WarningKind::StringTension,

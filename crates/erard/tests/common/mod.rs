@@ -5,6 +5,7 @@ pub mod digests;
 pub mod energy_audit;
 pub mod generated;
 pub mod ladder;
+pub mod mutants;
 pub mod perturb;
 
 use std::f64::consts::PI;

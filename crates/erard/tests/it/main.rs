@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod absurdity;
 mod allocation;
 mod bends;
 mod bounded_work;
