@@ -8,6 +8,9 @@ use crate::instrument::{Curve, Instrument, Vec2};
 /// Farthest that a point of a body may lie from the rest of the body, over the body's length. The toe of a jack, which
 /// stands out, has 0.5, the capstan of a damper 0.6.
 const BODY_LENGTHS: f64 = 0.7;
+/// The same for the place of a line that a disc meets, which is as far off as both bodies are drawn: the end of a line
+/// is nowhere. The hammer's rest on the whippen has 0.6.
+const FOOT_LENGTHS: f64 = 1.0;
 /// Farthest that the point whose speed or travel is reported may lie from the contact of the same role (the key's
 /// bottom, the string), over the body's length. A key's front has 0.05.
 const APART_LENGTHS: f64 = 0.5;
@@ -22,6 +25,8 @@ const STRIKE_POINT: &str = "strike point";
 struct Shape {
     /// Pivot, centre of mass, hinges, contacts, roles; with what each is called.
     points: Vec<(String, Vec2)>,
+    /// Which of them is a place of a line that a disc meets.
+    feet: Vec<usize>,
     /// Radius of gyration about the pivot, m.
     gyration_m: f64,
 }
@@ -39,7 +44,7 @@ pub(super) fn of_shapes(instrument: &Instrument) -> Option<Warning> {
     for (body, shape) in rigid.bodies.iter().zip(&shapes) {
         for (index, (called, _)) in shape.points.iter().enumerate() {
             let Some((off_m, length_m)) = shape.lengths_off(index) else { continue };
-            let most_m = BODY_LENGTHS * length_m;
+            let most_m = length_m * if shape.feet.contains(&index) { FOOT_LENGTHS } else { BODY_LENGTHS };
             let rest = format!("from the rest of the body, which is {} mm long", rounded(length_m * 1e3));
             doubt(off_m / most_m, &|| of_point(&body.name, called, off_m, most_m, &rest));
         }
@@ -91,6 +96,7 @@ fn shapes(instrument: &Instrument) -> Vec<Shape> {
     let mut shapes: Vec<Shape> = (instrument.bodies.iter())
         .map(|body| Shape {
             points: vec![("pivot".to_owned(), [0.0; 2]), ("centre of mass".to_owned(), body.center_of_mass_m)],
+            feet: Vec::new(),
             gyration_m: if body.mass_kg > 0.0 { (body.inertia_kg_m2 / body.mass_kg).sqrt() } else { 0.0 },
         })
         .collect();
@@ -101,12 +107,14 @@ fn shapes(instrument: &Instrument) -> Vec<Shape> {
     }
     let drawn = instrument.drawn();
     for zone in &instrument.zones {
-        let mut add = |body: Option<usize>, point: Vec2| {
+        let mut add = |body: Option<usize>, point: Vec2, is_foot: bool| {
             if let Some(body) = body {
+                let index = shapes[body].points.len();
+                shapes[body].feet.extend(is_foot.then_some(index));
                 shapes[body].points.push((format!("contact `{}`", zone.name), point));
             }
         };
-        add(zone.disc_body, zone.disc_center_m);
+        add(zone.disc_body, zone.disc_center_m, false);
         match zone.curve {
             // A line has no place along itself but where the disc meets it.
             Curve::Line { point_m, normal } => {
@@ -116,13 +124,13 @@ fn shapes(instrument: &Instrument) -> Vec<Shape> {
                     let above = dot(sub(disc, point_m), normal);
                     [disc[0] - above * normal[0], disc[1] - above * normal[1]]
                 });
-                add(zone.curve_body, meets.unwrap_or(point_m));
+                add(zone.curve_body, meets.unwrap_or(point_m), true);
             }
             Curve::Segment { from_m, to_m, .. } => {
-                add(zone.curve_body, from_m);
-                add(zone.curve_body, to_m);
+                add(zone.curve_body, from_m, false);
+                add(zone.curve_body, to_m, false);
             }
-            Curve::Disc { center_m, .. } => add(zone.curve_body, center_m),
+            Curve::Disc { center_m, .. } => add(zone.curve_body, center_m, false),
         }
     }
     let roles = &instrument.roles;
