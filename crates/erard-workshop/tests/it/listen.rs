@@ -258,9 +258,9 @@ fn a_clipped_recording_is_named() {
 #[test]
 fn what_is_no_note_is_refused() {
     let key = |channels: &[Vec<f64>], key: usize| listen(channels, RATE_HZ, key).unwrap_err();
-    assert_eq!(key(&[PLAIN.clone()], 0), ListenError::Key(0));
-    assert_eq!(key(&[PLAIN.clone()], 89), ListenError::Key(89));
-    assert_eq!(listen(&[PLAIN.clone()], 4000.0, 40).unwrap_err(), ListenError::Rate(4000.0));
+    assert_eq!(key(std::slice::from_ref(&PLAIN), 0), ListenError::Key(0));
+    assert_eq!(key(std::slice::from_ref(&PLAIN), 89), ListenError::Key(89));
+    assert_eq!(listen(std::slice::from_ref(&PLAIN), 4000.0, 40).unwrap_err(), ListenError::Rate(4000.0));
     assert_eq!(key(&[], 40), ListenError::Channels(0));
     assert_eq!(key(&[PLAIN.clone(), vec![0.0]], 40), ListenError::Channels(2));
     assert_eq!(key(&[vec![]], 40), ListenError::Empty);
