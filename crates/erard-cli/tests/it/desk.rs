@@ -302,7 +302,9 @@ fn an_option_means_the_same_in_every_command() {
             let Some(long) = option.get_long() else { continue };
             let takes = option.get_action().takes_values();
             let names = option.get_value_names().filter(|_| takes).unwrap_or_default();
-            let kinds: Vec<String> = names.iter().map(|name| name.trim_end_matches('S').to_owned()).collect();
+            // Several of a kind are of that kind.
+            let kind = |name: &str| name.split(',').next().unwrap_or_default().trim_end_matches('S').to_owned();
+            let kinds: Vec<String> = names.iter().map(|name| kind(name)).collect();
             let command = command.get_name().to_owned();
             let (first, known) = known.entry(long.to_owned()).or_insert_with(|| (command.clone(), kinds.clone()));
             assert_eq!(*known, kinds, "--{long} of {first} and of {command}");

@@ -1,7 +1,7 @@
 //! The level of a sound over time.
 
-use super::db;
 use super::decay::{Decay, Point, decay};
+use super::scale::db;
 
 /// Window of the largest level, s.
 pub(super) const LOUDEST_S: f64 = 20e-3;

@@ -10,10 +10,12 @@
 mod decay;
 mod level;
 mod partial;
+mod scale;
 mod spectrum;
 mod summary;
 
 pub use decay::{Decay, Shape};
+pub use scale::tempered_hz;
 pub use summary::{DecaySummary, NoteSummary, PartialSummary, Spread, summary};
 
 use level::{LOUDEST_S, Power};
@@ -120,12 +122,6 @@ pub enum ListenError {
     },
 }
 
-/// Frequency of a key in equal temperament at A4 = 440 Hz, Hz.
-#[must_use]
-pub fn tempered_hz(key: usize) -> f64 {
-    440.0 * libm::exp2((key as f64 - 49.0) / 12.0)
-}
-
 /// Measures one note: `channels` of samples, `rate_hz` of them a second, of a key from 1 to 88.
 ///
 /// # Errors
@@ -199,9 +195,4 @@ fn without_offset(channels: &[Vec<f64>]) -> Vec<Vec<f64>> {
         one.iter().map(|x| x - mean).collect()
     };
     channels.iter().map(of).collect()
-}
-
-/// A power as a level, dB.
-fn db(power: f64) -> f64 {
-    10.0 * power.max(1e-30).log10()
 }

@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use super::decay::{Point, decay};
 use super::level::SHARE;
+use super::scale::db;
 use super::spectrum::Tones;
-use super::{HeardPartial, PARTIALS, db};
+use super::{HeardPartial, PARTIALS};
 
 /// Four terms of the window of Blackman and Harris: what is four bins away is 92 dB down (F. J. Harris, Proc. IEEE 66
 /// (1978) 51).

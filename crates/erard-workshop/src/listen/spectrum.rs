@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use erard::recording::Fourier;
 
-use super::tempered_hz;
+use super::scale::tempered_hz;
 
 /// Most partials that are looked for.
 const MAX_PARTIALS: usize = 40;

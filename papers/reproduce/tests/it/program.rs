@@ -47,13 +47,13 @@ fn one_subject() {
     for out in ["a", "b"] {
         let output = folder.erard(&["--only", "paper3-levers", "--out", out]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        assert!(String::from_utf8(output.stdout).unwrap().contains("6 of 6 claims hold."));
+        assert!(String::from_utf8(output.stdout).unwrap().contains("9 of 9 claims hold."));
     }
     let page = report(&folder, "a");
     assert_eq!(page, report(&folder, "b"));
     assert_eq!(page.matches("<svg ").count(), 2);
     assert_eq!(page.matches("Again: <code>erard-reproduce --only paper3-levers</code>").count(), 1);
-    assert_eq!(page.matches("<b>Holds.</b>").count(), 6);
+    assert_eq!(page.matches("<b>Holds.</b>").count(), 9);
     assert!(page.contains("cos(k)") || page.contains("cos k"), "the equations as generated");
     assert!(!page.contains("NaN") && !page.contains("src=") && !page.contains("https://"));
     let files: Vec<_> = fs::read_dir(folder.0.join("a")).unwrap().collect();
