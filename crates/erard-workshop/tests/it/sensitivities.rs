@@ -69,8 +69,11 @@ fn derivatives_are_differences(instruments: &[&str]) {
                 "{instrument} {name} {}: {row:?}",
                 all.of[row.of].key
             );
-            // `Local`: they agree over a narrower window.
-            assert!(matches!(row.mark, Mark::None | Mark::Local), "{instrument} {name} {row:?}");
+            // `Local`: they agree over a narrower window. Corners of a few micrometres show as `Steps`: the wide
+            // differences to both sides agree with each other, and not with the slope.
+            let has_corners = (instrument, &**name) == ("concert-grand", "capstan_height");
+            let is_expected = matches!(row.mark, Mark::None | Mark::Local) || has_corners && row.mark == Mark::Steps;
+            assert!(is_expected, "{instrument} {name} {row:?}");
         }
         // A stronger finger is faster, and earlier.
         assert!(by(&all, "force", of[0]).derivative > 0.0 && by(&all, "force", of[1]).derivative < 0.0);
