@@ -3,12 +3,13 @@
 
 use erard::damper::{DamperError, USUAL_HEIGHT_M, damper_height_m};
 use erard::instrument::Instrument;
-use erard::player::{ActionError, Hand, HandError, Joints};
-use erard::stroke::{HandStroke, least_jerk};
+use erard::player::{ActionError, HandError};
+use erard::stroke::HandStroke;
 use erard::{Action, Input, Progress, Settings, Snapshot};
 
 use crate::contacts::{COUNTS_PER_E, ContactFault, ContactLaw, MAX_CONTACTS, MAX_POINTS, Point, SpeedTable};
 use crate::find::dip_m;
+use crate::finger::{FINGER, Leg, place};
 use crate::limits::MAX_HAMMER_M_PER_S;
 
 /// Names of the touches: a hand that rests on the key presses it; a hand arrives with a speed; a finger presses again a
@@ -20,16 +21,7 @@ const HAND_KG: f64 = 0.2;
 const FORCES_N: [f64; 2] = [0.7, 60.0];
 const ARRIVALS_M_PER_S: [f64; 2] = [0.05, 3.5];
 const RATIO: f64 = 1.12;
-/// The finger of a re-strike, which follows a path on the muscle of `erard scan`, kg, N/m, N s/m.
-const FINGER: Hand = Hand {
-    mass_kg: 0.1,
-    stiffness_n_per_m: 6000.0,
-    damping_n_s_per_m: 35.0,
-    start_m: 0.0,
-    start_m_per_s: 0.0,
-    joints: Joints::STIFF,
-};
-/// Its first stroke and its way up, s; depths from which it presses again, m, and times for the way down, s.
+/// A re-strike's first stroke and its way up, s; depths from which it presses again, m, and times for the way down, s.
 const FIRST_S: [f64; 4] = [0.08, 0.25, 0.15, 0.1];
 const HALF_WAY_M: [f64; 6] = [0.0, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3];
 const AGAIN_S: [f64; 2] = [0.012, 0.25];
@@ -329,16 +321,8 @@ fn restore(action: &mut Action, state: &Snapshot) {
     let _ = action.restore(state);
 }
 
-/// The finger on a path of least jerk from a depth, m: legs of a time, s, and a depth, m.
-fn finger(from_m: f64, path: &[[f64; 2]], t: f64) -> Result<Input, HandError> {
-    let (mut begins_s, mut begins_m) = (0.0, from_m);
-    for &[takes_s, to_m] in path {
-        if t < begins_s + takes_s {
-            let [x, v] = least_jerk((t - begins_s) / takes_s);
-            let (way_m, position_m) = (to_m - begins_m, begins_m + (to_m - begins_m) * x);
-            return FINGER.input(&Input::Motion { position_m, velocity_m_per_s: way_m * v / takes_s });
-        }
-        (begins_s, begins_m) = (begins_s + takes_s, to_m);
-    }
-    FINGER.input(&Input::Motion { position_m: begins_m, velocity_m_per_s: 0.0 })
+/// The finger on a path from a depth, m.
+fn finger(from_m: f64, path: &[Leg], t: f64) -> Result<Input, HandError> {
+    let [position_m, velocity_m_per_s] = place(from_m, path, t);
+    FINGER.input(&Input::Motion { position_m, velocity_m_per_s })
 }

@@ -37,6 +37,8 @@ mod drive;
 mod error;
 #[cfg(feature = "std")]
 mod find;
+#[cfg(feature = "std")]
+pub mod finger;
 pub mod hammers;
 #[cfg(feature = "std")]
 mod key;

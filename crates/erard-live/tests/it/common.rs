@@ -1,8 +1,7 @@
 //! Presses whose hammer is known, as a sensor at the key sees them.
 
-use erard::player::{Hand, Joints};
-use erard::stroke::least_jerk;
 use erard::{Input, Instrument};
+use erard_live::finger::{FINGER, Leg, place};
 use erard_live::stream::{Of, Sample, SensorUnit};
 use erard_live::{Event, Live, Options, SensorKind};
 
@@ -11,30 +10,11 @@ pub use crate::press::{GRAND, Press};
 impl Press {
     /// A finger of 100 g that follows a path from the key's rest: legs of least jerk, each a duration, s, and a depth,
     /// m.
-    pub fn along(instrument: &Instrument, path: &[[f64; 2]]) -> Self {
-        let finger = Hand {
-            mass_kg: 0.1,
-            stiffness_n_per_m: 6000.0,
-            damping_n_s_per_m: 35.0,
-            start_m: 0.0,
-            start_m_per_s: 0.0,
-            joints: Joints::STIFF,
-        };
-        let place = |t: f64| {
-            let (mut from_s, mut from_m) = (0.0, 0.0);
-            for &[takes_s, to_m] in path {
-                if t < from_s + takes_s {
-                    let [x, v] = least_jerk((t - from_s) / takes_s);
-                    return [from_m + (to_m - from_m) * x, (to_m - from_m) * v / takes_s];
-                }
-                (from_s, from_m) = (from_s + takes_s, to_m);
-            }
-            [from_m, 0.0]
-        };
+    pub fn along(instrument: &Instrument, path: &[Leg]) -> Self {
         let lasts_s = path.iter().map(|[s, _]| s).sum::<f64>() + 0.3;
         Press::played(instrument, lasts_s, (0.0, 0.0), |t| {
-            let [position_m, velocity_m_per_s] = place(t);
-            finger.input(&Input::Motion { position_m, velocity_m_per_s }).unwrap()
+            let [position_m, velocity_m_per_s] = place(0.0, path, t);
+            FINGER.input(&Input::Motion { position_m, velocity_m_per_s }).unwrap()
         })
     }
 

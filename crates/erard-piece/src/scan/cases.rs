@@ -4,9 +4,10 @@ use erard::Progress;
 use erard::damper::DamperHeights;
 use erard::instrument::Instrument;
 use erard_live::blow_m;
+use erard_live::finger::Leg;
 use erard_workshop::cores;
 
-use super::finger::{self, Leg};
+use super::finger;
 use super::sensor::Scans;
 use super::truth::{Truth, Window};
 use crate::error::PerformError;

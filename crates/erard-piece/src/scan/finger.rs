@@ -3,34 +3,20 @@
 use std::sync::{Mutex, PoisonError};
 
 use erard::instrument::Instrument;
-use erard::player::{Hand, Joints};
-use erard::stroke::least_jerk;
 use erard::{Action, Input, Progress, Settings, StepOutcome};
+use erard_live::finger::{FINGER, Leg, place};
 use erard_midi::{Crossing, Event, KeyNotes};
 
 use super::sensor::Sampler;
 use super::truth::Strike;
 use crate::error::PerformError;
 
-/// A finger with a part of the hand, and the muscle that drives it, kg, N/m, N s/m. Estimates: it follows a path of 10
-/// Hz, and deviates by 0.8 mm under 5 N.
-const FINGER: Hand = Hand {
-    mass_kg: 0.1,
-    stiffness_n_per_m: 6000.0,
-    damping_n_s_per_m: 35.0,
-    start_m: 0.0,
-    start_m_per_s: 0.0,
-    joints: Joints::STIFF,
-};
 /// Rise of the key below which a second impact counts as a bounce of the hammer, m.
 const BOUNCED_M: f64 = 1e-3;
 /// A finger this high above the key's rest is away from the key, m.
 const AWAY_M: f64 = 4e-3;
 /// Number of steps between questions to the caller whether to go on.
 const ASK_EVERY: u64 = 512;
-
-/// A piece of a finger's path, of least jerk: its duration, s, and its final depth, m below the key front's rest.
-pub(super) type Leg = [f64; 2];
 
 /// Drives a finger along a path on an action at rest, whose hammer rests so far above that of the sensors' action, m.
 /// It begins at an instant, s, and goes on for a while after the path's end, s. Returns the strikes of the window and
@@ -56,7 +42,7 @@ pub(super) fn play(
         if n.is_multiple_of(ASK_EVERY) && !progress(0.0) {
             return Err(PerformError::interrupted());
         }
-        let [position_m, velocity_m_per_s] = place(path, (n as f64 + theta) * h);
+        let [position_m, velocity_m_per_s] = place(0.0, path, (n as f64 + theta) * h);
         let is_away = position_m < -AWAY_M;
         let input =
             if is_away { Input::Free } else { FINGER.input(&Input::Motion { position_m, velocity_m_per_s })? };
@@ -86,17 +72,4 @@ pub(super) fn play(
         }
     }
     Ok((strikes, begins_s + lasts_s))
-}
-
-/// Prescribed position of the finger at an instant, m, and its speed, m/s.
-fn place(path: &[Leg], t: f64) -> [f64; 2] {
-    let (mut from_s, mut from_m) = (0.0, 0.0);
-    for &[takes_s, to_m] in path {
-        if t < from_s + takes_s {
-            let [x, v] = least_jerk((t - from_s) / takes_s);
-            return [from_m + (to_m - from_m) * x, (to_m - from_m) * v / takes_s];
-        }
-        (from_s, from_m) = (from_s + takes_s, to_m);
-    }
-    [from_m, 0.0]
 }
