@@ -22,6 +22,22 @@ pub(crate) fn decimals(x: f64, count: usize) -> f64 {
     format!("{x:.count$}").parse::<f64>().unwrap_or(x) + 0.0
 }
 
+/// What is written of a decay; empty cells without one.
+#[derive(Debug, Serialize)]
+struct DecayCells {
+    shape: &'static str,
+    #[serde(rename = "early_dB_per_s")]
+    early_db_per_s: Option<f64>,
+    #[serde(rename = "late_dB_per_s")]
+    late_db_per_s: Option<f64>,
+    break_s: Option<f64>,
+    #[serde(rename = "break_dB")]
+    break_db: Option<f64>,
+    #[serde(rename = "one_line_dB_per_s")]
+    one_line_db_per_s: Option<f64>,
+    gain: Option<f64>,
+}
+
 /// A note.
 #[derive(Debug, Serialize)]
 pub(crate) struct NoteRow {
@@ -36,17 +52,8 @@ pub(crate) struct NoteRow {
     t10_s: Option<f64>,
     t20_s: Option<f64>,
     t40_s: Option<f64>,
-    shape: &'static str,
-    #[serde(rename = "early_dB_per_s")]
-    early_db_per_s: Option<f64>,
-    #[serde(rename = "late_dB_per_s")]
-    late_db_per_s: Option<f64>,
-    break_s: Option<f64>,
-    #[serde(rename = "break_dB")]
-    break_db: Option<f64>,
-    #[serde(rename = "one_line_dB_per_s")]
-    one_line_db_per_s: Option<f64>,
-    gain: Option<f64>,
+    #[serde(flatten)]
+    decay: DecayCells,
     #[serde(rename = "centroid_Hz")]
     centroid_hz: f64,
     inharmonicity: Option<f64>,
@@ -65,36 +72,30 @@ pub(crate) struct PartialRow {
     frequency_hz: f64,
     #[serde(rename = "level_dB")]
     level_db: f64,
-    shape: &'static str,
-    #[serde(rename = "early_dB_per_s")]
-    early_db_per_s: Option<f64>,
-    #[serde(rename = "late_dB_per_s")]
-    late_db_per_s: Option<f64>,
-    break_s: Option<f64>,
-    #[serde(rename = "break_dB")]
-    break_db: Option<f64>,
-    #[serde(rename = "one_line_dB_per_s")]
-    one_line_db_per_s: Option<f64>,
-    gain: Option<f64>,
+    #[serde(flatten)]
+    decay: DecayCells,
     #[serde(rename = "residual_dB")]
     residual_db: Option<f64>,
     window_s: Option<f64>,
 }
 
-/// What is written of a decay: shape, early, late, break time and level, one line, gain.
-type DecayCells = (&'static str, [Option<f64>; 6]);
-
-fn cells(decay: Option<&Decay>) -> DecayCells {
-    let rounded = |one: &Decay| {
-        [one.early_db_per_s, one.late_db_per_s, one.break_s, one.break_db, one.one_line_db_per_s, one.gain]
-            .map(|x| Some(four(x)))
-    };
-    (decay.map_or("", |one| one.shape.name()), decay.map_or([None; 6], rounded))
+impl DecayCells {
+    fn of(decay: Option<&Decay>) -> Self {
+        let cell = |of: fn(&Decay) -> f64| decay.map(|one| four(of(one)));
+        DecayCells {
+            shape: decay.map_or("", |one| one.shape.name()),
+            early_db_per_s: cell(|one| one.early_db_per_s),
+            late_db_per_s: cell(|one| one.late_db_per_s),
+            break_s: cell(|one| one.break_s),
+            break_db: cell(|one| one.break_db),
+            one_line_db_per_s: cell(|one| one.one_line_db_per_s),
+            gain: cell(|one| one.gain),
+        }
+    }
 }
 
 impl NoteRow {
     pub fn of(recording: &str, note: &HeardNote) -> Self {
-        let (shape, [early, late, break_s, break_db, one_line, gain]) = cells(note.decay.as_ref());
         let [t10_s, t20_s, t40_s] = note.fall_s.map(|fall_s| fall_s.map(four));
         NoteRow {
             recording: recording.to_owned(),
@@ -106,13 +107,7 @@ impl NoteRow {
             t10_s,
             t20_s,
             t40_s,
-            shape,
-            early_db_per_s: early,
-            late_db_per_s: late,
-            break_s,
-            break_db,
-            one_line_db_per_s: one_line,
-            gain,
+            decay: DecayCells::of(note.decay.as_ref()),
             centroid_hz: four(note.centroid_hz),
             inharmonicity: note.inharmonicity.map(four),
             cents: decimals(note.cents, 2),
@@ -123,25 +118,16 @@ impl NoteRow {
 
 impl PartialRow {
     pub fn all(recording: &str, note: &HeardNote) -> Vec<Self> {
-        let row = |one: &erard_workshop::listen::HeardPartial| {
-            let (shape, [early, late, break_s, break_db, one_line, gain]) = cells(one.decay.as_ref());
-            PartialRow {
-                recording: recording.to_owned(),
-                note: note_name(note.key),
-                key: note.key,
-                partial: one.number,
-                frequency_hz: significant(one.frequency_hz, 6),
-                level_db: decimals(one.level_db, 2),
-                shape,
-                early_db_per_s: early,
-                late_db_per_s: late,
-                break_s,
-                break_db,
-                one_line_db_per_s: one_line,
-                gain,
-                residual_db: one.decay.map(|decay| four(decay.residual_db)),
-                window_s: one.decay.map(|decay| four(decay.window_s)),
-            }
+        let row = |one: &erard_workshop::listen::HeardPartial| PartialRow {
+            recording: recording.to_owned(),
+            note: note_name(note.key),
+            key: note.key,
+            partial: one.number,
+            frequency_hz: significant(one.frequency_hz, 6),
+            level_db: decimals(one.level_db, 2),
+            decay: DecayCells::of(one.decay.as_ref()),
+            residual_db: one.decay.map(|decay| four(decay.residual_db)),
+            window_s: one.decay.map(|decay| four(decay.window_s)),
         };
         note.partials.iter().map(row).collect()
     }
