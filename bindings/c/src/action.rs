@@ -113,8 +113,8 @@ unsafe fn step(action: *mut ErardAction, input: Result<Input, ErardStatus>, read
     })
 }
 
-/// Limits of a fingertip of the caller's own, N/m and N s/m: steps of 50 us under its held force are stable far beyond
-/// them only with the mass of a whole key.
+/// Limits of a fingertip of the caller's own, N/m and N s/m: below them steps of 50 us are stable on a key
+/// ([`Fingertip`]).
 const MAX_TIP_N_PER_M: f64 = 1e6;
 const MAX_TIP_N_S_PER_M: f64 = 1e3;
 

@@ -48,7 +48,7 @@ pub(crate) struct Regulate {
     instrument: InstrumentSpec,
     #[command(flatten)]
     goals: Goals,
-    /// Ask for the trade's norms wherever no goal is given, also of what is in its usual range
+    /// Set every distance without a goal to the trade's norm, even one in its usual range
     #[arg(long)]
     norms: bool,
     /// Turn other screws too, so that distances without a goal stay as they were

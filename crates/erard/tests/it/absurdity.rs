@@ -185,7 +185,7 @@ struct Counts {
     newly_distrusted: u64,
     odd: u64,
     odd_and_newly_distrusted: u64,
-    /// Odd and trusted, by seed, with what is odd.
+    /// Odd mutants that are trusted: the seed of each, and what is odd about it.
     missed: Vec<(u64, Vec<&'static str>)>,
 }
 
