@@ -87,7 +87,7 @@ const LONG: [&str; 10] = [
     "book/src/piece.md",
     "book/src/real.md",
     "book/src/study.md",
-    "book/src/validate.md",
+    "docs/notes/evidence.md",
 ];
 
 /// The blocks of all pages but the long ones.
