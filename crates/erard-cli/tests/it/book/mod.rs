@@ -79,7 +79,7 @@ fn files(folder: &Path) -> Vec<String> {
 /// piece on two keyboards, a keyboard weighed, the sensitivities of all numbers, a validation.
 const LONG: [&str; 10] = [
     "book/src/bench.md",
-    "book/src/gives.md",
+    "book/src/concert-grand.md",
     "book/src/keyboard.md",
     "book/src/measured.md",
     "book/src/model/strings.md",
