@@ -82,12 +82,12 @@ const LONG: [&str; 10] = [
     "book/src/concert-grand.md",
     "book/src/keyboard.md",
     "book/src/measured.md",
-    "book/src/model/strings.md",
     "book/src/morning.md",
     "book/src/piece.md",
     "book/src/real.md",
     "book/src/study.md",
     "docs/notes/evidence.md",
+    "docs/notes/strings.md",
 ];
 
 /// The blocks of all pages but the long ones.
