@@ -169,6 +169,22 @@ fn every_page_is_in_its_table_of_contents() {
     }
 }
 
+/// Most words of the reader's path, commands and outputs among them: what only a developer needs goes into a note.
+const PATH_WORDS: usize = 35_000;
+
+#[test]
+fn the_readers_path_is_short() {
+    let summary = fs::read_to_string(root().join(BOOK).join("SUMMARY.md")).expect("a table of contents");
+    let (_, path) = summary.split_once("# Begin").expect("its first part");
+    let (path, _) = path.split_once("# Look up").expect("its last part");
+    let words = |chapter: String| {
+        let text = fs::read_to_string(root().join(BOOK).join(chapter)).expect("a chapter in UTF-8");
+        text.split_whitespace().count()
+    };
+    let words: usize = links::targets(path).into_iter().map(words).sum();
+    assert!((1000..=PATH_WORDS).contains(&words), "{words} words from Begin to Understand; at most {PATH_WORDS}");
+}
+
 #[test]
 fn links_and_pictures_lead_somewhere() {
     let pages = pages();
