@@ -1,4 +1,4 @@
-//! Combinations of features in a run: plays every line of the book's table.
+//! Combinations of features in a run: plays every line of the table in `docs/notes/combinations.md`.
 
 use erard::gradient::{Direction, GradientError, How, Poses, STACK_BYTES, check, follow};
 use erard::instrument::Dwell;
