@@ -1,5 +1,5 @@
 //! How stiff a coupling a haptic key can stand, by simulation and by theory: writes the figure haptic.svg into a
-//! folder, and prints the tables of the book's chapter for builders. `.ci/regenerate haptic` writes the figure.
+//! folder, and prints the tables of `docs/notes/coupling.md`. `.ci/regenerate haptic` writes the figure.
 //!
 //! ```text
 //! haptic_margin [FOLDER [INSTRUMENT]]    INSTRUMENT: a built-in one (concert-grand), or a file

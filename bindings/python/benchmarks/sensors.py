@@ -1,4 +1,4 @@
-"""Errors of speed and false notes, by algorithm, bits, rate and noise: the table and the figure of the book's chapter on ground truth.
+"""Errors of speed and false notes, by algorithm, bits, rate and noise: the tables of docs/notes/sensors.md and the figure of the book's chapter on ground truth.
 
     python benchmarks/sensors.py --erard COMMAND [--quick] [--out FOLDER] [--figure FILE.svg]
 

@@ -1,6 +1,6 @@
 //! Two problems that friction holds at rest: a block on a slope and a cylinder that two pads pinch. Prints how far each
 //! goes between the first second and the tenth, mm, as a table in Markdown; `papers/peers/python/sticks.py` does so for
-//! MuJoCo. See `book/src/sticks.md`.
+//! MuJoCo. See `docs/notes/sticks.md`.
 //!
 //! `cargo run --release -p moreau-rigid --example sticks`
 

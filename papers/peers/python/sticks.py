@@ -2,7 +2,7 @@
 
 Two problems that friction holds at rest, each by a wide margin: a block on a slope of 20 degrees, and a cylinder that two pads pinch.
 MuJoCo's contacts do the work, with the settings that its documentation names against slip. The same two problems in Erard's general
-step: `cargo run --release -p moreau-rigid --example sticks`. See book/src/sticks.md.
+step: `cargo run --release -p moreau-rigid --example sticks`. See docs/notes/sticks.md.
 """
 
 import itertools

@@ -106,7 +106,7 @@ impl Row {
     }
 }
 
-/// Beginning of a row in the book's list of disagreements.
+/// Beginning of a row in the note's list of disagreements.
 pub fn line(level: &str, row: &Row) -> String {
     format!("| {level} | `{}` | `{}` |", row.of, row.by)
 }

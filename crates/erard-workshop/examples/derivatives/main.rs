@@ -1,4 +1,4 @@
-//! The book's page on derivatives: all numbers of the concert grand at pp, mf and ff, compared with differences in
+//! The note on derivatives: all numbers of the concert grand at pp, mf and ff, compared with differences in
 //! converged steps.
 //!
 //! `.ci/regenerate derivatives` writes it; `cargo run --release -p erard-workshop --example derivatives -- --all`

@@ -1,5 +1,5 @@
-//! The book's page on the pose of rest: how well one blow finds it, what it costs, and what it changes on every line of
-//! the sheet of every built-in instrument.
+//! The note on the pose of rest: how well one blow finds it, what it costs, and what it changes on every line of the
+//! sheet of every built-in instrument.
 //!
 //! `.ci/regenerate rest` writes it.
 

@@ -1,4 +1,4 @@
-//! Combinations of features in a run: plays every line of the book's table.
+//! Combinations of features in a run: plays every line of the table in `docs/notes/combinations.md`.
 
 use erard::gradient::{Direction, GradientError, How, Poses, STACK_BYTES, check, follow};
 use erard::instrument::Dwell;
@@ -141,9 +141,9 @@ impl Asked {
 }
 
 #[test]
-fn the_books_table_is_what_happens() {
-    let book = include_str!("../../../../book/src/combinations.md");
-    let lines: Vec<Vec<&str>> = book
+fn the_notes_table_is_what_happens() {
+    let note = include_str!("../../../../docs/notes/combinations.md");
+    let lines: Vec<Vec<&str>> = note
         .lines()
         .filter_map(|line| line.strip_prefix("| ")?.strip_suffix(" |"))
         .map(|line| line.split(" | ").collect())

@@ -384,7 +384,7 @@ mod nightly {
         super::the_same_whatever_the_step([20, 20, 12]);
     }
 
-    /// The book's page lists all disagreements: every derivative of the concert grand's numbers at pp, mf and ff is
+    /// The note lists all disagreements: every derivative of the concert grand's numbers at pp, mf and ff is
     /// within 2 % of differences in converged steps, or within their own scatter, or listed.
     #[test]
     #[ignore = "nightly: derivatives of all numbers at three levels beside differences in steps of 5 and 2.5 us"]
@@ -395,7 +395,7 @@ mod nightly {
             }
         }
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-        let page = std::fs::read_to_string(folder.join("../../book/src/derivatives.md")).unwrap();
+        let page = std::fs::read_to_string(folder.join("../../docs/notes/derivatives.md")).unwrap();
         let instrument = Instrument::builtin("concert-grand").unwrap();
         for name in LEVELS {
             let found = level(&instrument, name);

@@ -540,7 +540,7 @@ fn bridged() -> Instrument {
 }
 
 /// Energy, and force on the bridge, after so many s, of three strings whose first partials swing alike at 0.1 m/s: from
-/// the matrix exponential of strings and bridge as one linear system (`book/src/model/strings.md` has the program). Its
+/// the matrix exponential of strings and bridge as one linear system (`docs/notes/strings.md` has the program). Its
 /// eigenvalues near 262 Hz decay with 2.553, 0.518 and 0.518 1/s: two stages.
 #[test]
 fn strings_on_a_bridge_are_those_of_an_independent_solution() {

@@ -67,8 +67,8 @@ fn the_balance_closes() {
 
 /// The set-valued loss locks what the felts hold, and in a whole action more felts than there are freedoms. There the
 /// step does not always find its laws' sides: it says so, the note is played all the same, and the hammer's speed is
-/// known to two thousandths. That is one of the reasons for the elastoplastic law (`book/src/model/felts.md`); a single
-/// felt has none of it (problem 23).
+/// known to two thousandths. That is one of the reasons for the elastoplastic law (`docs/notes/felt-losses.md`); a
+/// single felt has none of it (problem 23).
 #[test]
 fn a_set_valued_loss_plays_but_not_every_step_is_settled() {
     for (name, law) in SET_VALUED {

@@ -117,7 +117,7 @@ fn impact(instrument: &Instrument, h: f64, speed: f64) -> Impact {
 
 /// Peak, end of the last contact and speed of return from SciPy's DOP853 (relative tolerance 1e-9, steps of at most 20
 /// us): the same mass against the same felt and 53 modes of three equal strings as one system of ordinary differential
-/// equations (`book/src/model/strings.md` has the program). 53 modes are those below 20 kHz, as here; what is beyond is
+/// equations (`docs/notes/strings.md` has the program). 53 modes are those below 20 kHz, as here; what is beyond is
 /// a static compliance here and left out there: with 38 modes the peaks there are half a percent higher.
 #[test]
 fn a_blow_is_the_one_of_an_independent_solution() {

@@ -53,7 +53,7 @@ fn a_lying_key_returns_less_and_still_starts_too_slowly() {
 }
 
 /// What heel and knuckles give back. The spread of the file leaves out what gives back most: whoever changes it changes
-/// that chapter.
+/// `docs/notes/evidence.md`.
 #[test]
 fn the_spread_of_the_train_leaves_out_what_gives_back_most() {
     assert_eq!(on_the_grand("train-loss"), [true, true, true, true, false, false]);
@@ -167,13 +167,13 @@ mod nightly {
     #[ignore = "nightly: eight subjects of the report"]
     fn claims_of_the_slowest_subjects_hold() {
         hold(&["paper1-fine-structure", "touch-scatter", "scheme-energy", "scheme-solvers", "strings"]);
-        // A greater loss moves the order of events by more than 0.2 ms; the chapter says so.
+        // A greater loss moves the order of events by more than 0.2 ms; `docs/notes/evidence.md` says so.
         assert_eq!(super::on_the_grand("train-felts"), [true, false]);
         hold(&["what-gives", "events"]);
     }
 
-    /// Claims about strings. Two do not hold, which the book explains: how C4's contact shortens, and how long bass
-    /// strings ring under their dampers. Whoever mends one changes that chapter.
+    /// Claims about strings. Two do not hold, which `docs/notes/strings.md` explains: how C4's contact shortens, and
+    /// how long bass strings ring under their dampers. Whoever mends one changes that note.
     #[test]
     #[ignore = "nightly: three subjects of strings"]
     fn claims_about_strings() {

@@ -1,6 +1,6 @@
-//! Links and pictures of a chapter.
+//! Links and pictures of a page.
 
-use super::{Page, source};
+use super::{BOOK, NOTES, Page, root};
 
 /// Targets of all links and pictures outside code, in order.
 pub fn targets(text: &str) -> Vec<String> {
@@ -11,13 +11,13 @@ pub fn targets(text: &str) -> Vec<String> {
     after.map(|(target, _)| target.split_whitespace().next().unwrap_or_default().to_owned()).collect()
 }
 
-/// Pictures of a chapter, as paths below `book/src`.
+/// Pictures of a page, as paths below its home.
 pub fn pictures(text: &str) -> Vec<String> {
     let is_picture = |t: &String| t.ends_with(".svg") || t.ends_with(".png");
     targets(text).into_iter().filter(is_picture).map(|t| t.trim_start_matches("../").to_owned()).collect()
 }
 
-/// Links of a chapter that lead nowhere within the book.
+/// Links of a page that lead nowhere, or out of the book; notes that it names and that are not there.
 pub fn faults(page: &Page, pages: &[Page]) -> Vec<String> {
     let mut faults = Vec::new();
     for target in targets(&page.text) {
@@ -25,15 +25,23 @@ pub fn faults(page: &Page, pages: &[Page]) -> Vec<String> {
             continue;
         }
         let (file, anchor) = target.split_once('#').unwrap_or((&target, ""));
-        let path = resolve(&page.name, file);
-        if !source().join(&path).is_file() {
-            faults.push(format!("book/src/{}: {target} is not there", page.name));
+        let path = resolve(&page.path(), file);
+        if !root().join(&path).is_file() {
+            faults.push(format!("{}: {target} is not there", page.path()));
+        } else if page.home == BOOK && !path.starts_with(BOOK) {
+            faults.push(format!("{}: {target} is not in the book; name its path in backticks", page.path()));
         } else if !anchor.is_empty() {
             let there =
-                pages.iter().find(|p| p.name == path).is_some_and(|p| anchors(&p.text).contains(&anchor.to_owned()));
+                pages.iter().find(|p| p.path() == path).is_some_and(|p| anchors(&p.text).contains(&anchor.to_owned()));
             if !there {
-                faults.push(format!("book/src/{}: {target}: no such heading", page.name));
+                faults.push(format!("{}: {target}: no such heading", page.path()));
             }
+        }
+    }
+    // A chapter cannot link to them: the book is read without the repository.
+    for (name, _) in page.text.split(&format!("`{NOTES}/")).skip(1).filter_map(|rest| rest.split_once('`')) {
+        if !root().join(NOTES).join(name).is_file() {
+            faults.push(format!("{}: {NOTES}/{name} is not there", page.path()));
         }
     }
     faults
@@ -49,7 +57,7 @@ fn prose(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// A relative target as a path below `book/src`.
+/// A relative target as a path below the root.
 fn resolve(from: &str, target: &str) -> String {
     if target.is_empty() {
         return from.to_owned();

@@ -183,10 +183,10 @@ impl Session {
         value.as_f64().or(value.as_bool().map(|b| f64::from(u8::from(b)))).ok_or_else(missing)
     }
 
-    /// Takes a picture that the commands have drawn into the book: `pictures/X/Y` is the folder's `X/Y`.
+    /// Takes a picture that the commands have drawn below the page's home: `pictures/X/Y` is the folder's `X/Y`.
     pub fn keep(&self, picture: &str, source: &Path) -> Result<(), String> {
         let (drawn, kept) = self.paths(picture, source)?;
-        fs::create_dir_all(kept.parent().expect("below the book")).map_err(|e| e.to_string())?;
+        fs::create_dir_all(kept.parent().expect("below its home")).map_err(|e| e.to_string())?;
         fs::copy(drawn, kept).map(|_| ()).map_err(|e| e.to_string())
     }
 
@@ -198,14 +198,14 @@ impl Session {
         if captions(&read(&drawn)?) == captions(&read(&kept)?) {
             return Ok(());
         }
-        Err(format!("book/src/{picture} is not what its command draws now"))
+        Err(format!("{picture} is not what its command draws now"))
     }
 
     fn paths(&self, picture: &str, source: &Path) -> Result<(std::path::PathBuf, std::path::PathBuf), String> {
         let drawn = picture.strip_prefix("pictures/").map(|p| self.folder.0.join(p));
         match drawn {
             Some(drawn) if drawn.is_file() => Ok((drawn, source.join(picture))),
-            _ => Err(format!("book/src/{picture}: no command of its chapter draws it")),
+            _ => Err(format!("{picture}: no command of the page draws it")),
         }
     }
 }
