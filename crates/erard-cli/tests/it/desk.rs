@@ -30,14 +30,14 @@ fn printed_they_are_checked(folder: &Folder, known: &[(&str, &str)]) {
     }
 }
 
-/// How many files a folder of the project holds, each of which the check knows.
+/// How many files a folder below `crates` holds, each of which the check knows.
 fn checked(folder: &Folder, home: &str, kind: &str) -> usize {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let crates = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut files = 0;
-    for entry in std::fs::read_dir(root.join(home)).unwrap() {
+    for entry in std::fs::read_dir(crates.join(home)).unwrap() {
         let path = entry.unwrap().path();
         // Curves that rows are made of, and the words about them: `erard` reads neither as a file of its own.
-        if home == "validation" && path.extension().is_none_or(|e| e != "toml") {
+        if home.ends_with("validation") && path.extension().is_none_or(|e| e != "toml") {
             continue;
         }
         let kind = if path.ends_with("usual.toml") { "usual ranges" } else { kind };
@@ -58,10 +58,10 @@ const KEYBOARDS: usize = 4;
 fn check_knows_every_format() {
     let folder = Folder::new("desk-check");
     let files: usize = [
-        ("instruments", "an instrument"),
-        ("linkages", "a linkage"),
-        ("strokes", "a stroke"),
-        ("validation", "published measurements"),
+        ("erard/instruments", "an instrument"),
+        ("erard-kinematics/linkages", "a linkage"),
+        ("erard/strokes", "a stroke"),
+        ("erard-workshop/validation", "published measurements"),
     ]
     .map(|(home, kind)| checked(&folder, home, kind))
     .iter()
@@ -194,7 +194,7 @@ mod nightly {
     #[ignore = "nightly: some forty commands, one after the other"]
     fn an_empty_folder_is_enough_for_the_recipes() {
         let folder = Folder::new("desk-recipes");
-        with_pieces(&folder);
+        with_pieces(&folder, "pieces");
         let page = include_str!("../../../../book/src/commands.md");
         let blocks = page.split("```sh,no_run\n").skip(1).map(|after| after.split("```").next().unwrap());
         let played: usize = blocks.map(|block| run_lines(&folder, block)).sum();
@@ -220,7 +220,7 @@ mod nightly {
     #[test]
     #[ignore = "nightly: keyboards of 88 keys"]
     fn check_knows_keyboards() {
-        let files = checked(&Folder::new("desk-check-keyboards"), "keyboards", "a keyboard");
+        let files = checked(&Folder::new("desk-check-keyboards"), "erard/keyboards", "a keyboard");
         assert!(files >= KEYBOARDS, "only {files} files");
     }
 
@@ -231,12 +231,12 @@ mod nightly {
     }
 }
 
-/// The pieces of the clone, from which the commands are typed.
-fn with_pieces(folder: &Folder) {
-    let pieces = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../pieces");
-    std::fs::create_dir(folder.0.join("pieces")).unwrap();
+/// The pieces of the clone, in the folder that the commands name.
+fn with_pieces(folder: &Folder, home: &str) {
+    let pieces = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../erard-piece/pieces");
+    std::fs::create_dir_all(folder.0.join(home)).unwrap();
     for name in ["gymnopedie.mid", "hanon.mid"] {
-        std::fs::copy(pieces.join(name), folder.0.join("pieces").join(name)).unwrap();
+        std::fs::copy(pieces.join(name), folder.0.join(home).join(name)).unwrap();
     }
 }
 
@@ -245,7 +245,8 @@ fn with_pieces(folder: &Folder) {
 #[ignore = "ci: a measurement and a validation"]
 fn an_empty_folder_is_enough_for_the_readme() {
     let folder = Folder::new("desk-readme");
-    with_pieces(&folder);
+    // Where they really are: a checkout without symbolic links has no folder `pieces`.
+    with_pieces(&folder, "crates/erard-piece/pieces");
     let readme = include_str!("../../../../README.md");
     let mut blocks = readme.split("```sh\n").skip(1).map(|after| after.split("```").next().unwrap());
     let first = blocks.next().unwrap();

@@ -346,7 +346,9 @@ fn built_in_linkages() {
     for name in ["c7f-like", "steinway-o-like"] {
         assert!(listed.contains(name), "{listed}");
         folder.file("it.toml", &folder.good(&[name, "--print"]));
-        for asked in [name, "it.toml", &format!("{}/../../linkages/{name}.toml", env!("CARGO_MANIFEST_DIR"))] {
+        for asked in
+            [name, "it.toml", &format!("{}/../erard-kinematics/linkages/{name}.toml", env!("CARGO_MANIFEST_DIR"))]
+        {
             let said = folder.good(&[asked, "--check-file"]).split_whitespace().collect::<Vec<_>>().join(" ");
             assert!(said.contains("a linkage") && said.contains("reach each other at rest"), "{said}");
         }

@@ -3,6 +3,12 @@
 use crate::common::Folder;
 use serde_json::Value;
 
+/// The README's section "How real is it?" gives these numbers in bold.
+fn is_in_the_readme(met: u64, judged: u64) {
+    let (readme, number) = (include_str!("../../../../README.md"), format!("**{met} of {judged}**"));
+    assert!(readme.contains(&number), "README.md, \"How real is it?\": expected {number}");
+}
+
 /// The same rows in table, JSON and CSV; misses have a reason, and end with code 1 where that is asked for; the picture
 /// is there in both forms.
 #[test]
@@ -32,6 +38,8 @@ fn a_validated_grand() {
         let met = rows.iter().filter(|row| row["kind"] == kind && row["verdict"] == "met").count() as u64;
         assert_eq!(summed[0], met, "{kind}");
     }
+    let [met, all] = judged(&report["predicted"]);
+    is_in_the_readme(met, all);
     // The first column, whose names may go on in the next line.
     let names = told.lines().filter_map(|line| line.strip_prefix("  ").filter(|line| !line.starts_with(' ')));
     let names: Vec<&str> = names.filter_map(|line| line.split("  ").next()).collect();
@@ -91,6 +99,12 @@ fn published_pianos() {
     assert_eq!(csv::Reader::from_reader(folder.read("out/cases.csv").as_bytes()).records().count(), rows.len());
     let told = folder.good(&["--cases", "textbook-key,petrof-statics", "--out", "two"]);
     assert!(told.contains("2 published pianos, 2 keys") && told.contains("petrof-statics"), "{told}");
+    // What the advice was not developed with.
+    folder.good(&["--cases=judge", "--out", "judged"]);
+    let report: Value = serde_json::from_str(&folder.read("judged/cases.json")).unwrap();
+    assert!(report["rows"].as_array().unwrap().iter().all(|row| row["use"] == "judge"), "{report}");
+    assert_eq!(report["harmful"], 0, "{report}");
+    is_in_the_readme(report["met"].as_u64().unwrap(), report["keys"].as_u64().unwrap());
     assert!(folder.bad(&["--cases=some"]).contains("`choose`, `judge`, or names with commas out of"));
     assert!(folder.bad(&["--cases", "--instrument", "heavy-touch"]).contains("cannot be used with"));
 }
