@@ -17,6 +17,7 @@ import * as bench from "./bench.mjs";
 import * as page from "./page.mjs";
 import { diagnose } from "./diagnose.mjs";
 import { edges } from "./edges.mjs";
+import { terms } from "./terms.mjs";
 import { typed } from "./typed.mjs";
 import * as reader from "./reader.mjs";
 import * as story from "./story.mjs";
@@ -53,6 +54,7 @@ const tests = {
   keyboard: bench.keyboard,
   "strings of a chord": bench.strung,
   ...(process.env.ERARD ? { diagnose } : {}),
+  "terms in three languages": terms,
   "rough edges": edges,
   link: page.link,
   offline: page.offline,

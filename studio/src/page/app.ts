@@ -8,6 +8,7 @@ import type { Chosen } from "./part";
 import { PARTS } from "./parts";
 import { Picture, type View } from "./picture";
 import { type Base, DEEPEST_M, FIRST, fromHash, same, type Setting, type State, toHash } from "./state";
+import { named, onlanguage } from "./terms";
 
 /** What is known of an action that is played. */
 export interface Loaded {
@@ -88,6 +89,8 @@ export class App {
   constructor(readonly engine: WebAssembly.Module) {
     this.bench = new Bench(engine);
     this.startPlayer();
+    // Names in the picture and in the curves are drawn.
+    onlanguage.push(() => this.scenes.length && this.show(this.scenes));
   }
 
   // -------------------------------------------------------------------------------------------------------- the player
@@ -322,6 +325,9 @@ export class App {
     this.tell({ kind: "frame", wall_ms: now, touch, at_s: this.at_s, curves, pace: this.state.slow ? this.state.speed : 1, slow: [] });
   };
 
+  /** Whether the button of the replay says that it pauses. */
+  private pausable = false;
+
   private transport(frame: Frame): void {
     const slider = byId<HTMLInputElement>("time"), clock = byId("clock");
     const [from, to] = this.span;
@@ -336,7 +342,7 @@ export class App {
     slider.setAttribute("aria-valuetext", this.at_s === null ? text : `${text} from the key's start`);
     byId("live").setAttribute("aria-pressed", String(this.at_s === null));
     byId("replay").setAttribute("aria-pressed", String(this.playing));
-    byId("replay").textContent = this.playing ? "Pause" : "Replay";
+    if (this.playing !== this.pausable) named(byId("replay").firstElementChild!, (this.pausable = this.playing) ? "tool.pause" : "tool.replay");
   }
 
   get events(): Events[] {
