@@ -1,6 +1,7 @@
 // The words of the trade in German and French: complete, each with a source or the mark "unchecked", the same as the
 // book's; and the page's switch of language.
 import { readFile } from "node:fs/promises";
+import { EXAMPLES } from "../src/page/examples.js";
 import { assert, until } from "./help.mjs";
 
 const ROOT = new URL("../../", import.meta.url);
@@ -35,7 +36,7 @@ const files = async () => {
   }
   assert.deepEqual(sorted(Object.keys(terms.de.words)), sorted(Object.keys(terms.fr.words)), "words of one language only");
   assert.deepEqual(sorted(Object.keys(terms.de.labels)), sorted(Object.keys(terms.fr.labels)), "labels of one language only");
-  for (const key of Object.keys(terms.de.labels)) assert.deepEqual(key in english, !/^(quantity|cause|screw|zone)\.|^part\.(?!numbers)/.test(key), `${key} is a label of the page or one of the engine, and not both`);
+  for (const key of Object.keys(terms.de.labels)) assert.deepEqual(key in english, !/^(quantity|cause|screw|zone)\.|^part\.(?!numbers)|^example\.(?!next|all)/.test(key), `${key} is a label of the page or one of the engine, and not both`);
   // The page's own text is the English of its labels.
   for (const [, key, said] of (await text("studio/tools.html")).matchAll(/data-term="([^"]*)"[^>]*>([^<]*)</g)) assert.equal(said, english[key], key);
   // The book has the same words, the unchecked ones marked.
@@ -64,7 +65,7 @@ const asked = async (page) => {
     }
     return [...names];
   });
-  return [...causes, ...engine];
+  return [...causes, ...engine, ...EXAMPLES.map(({ id }) => `example.${id}`)];
 };
 
 export const terms = async ({ visit, faults }) => {

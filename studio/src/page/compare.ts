@@ -18,7 +18,7 @@ export const comparePanel = (app: App, into: HTMLElement): void => {
   const dials = new Dials(app, 1, sliders);
   const sheets = [new Sheet(app, 0, "compare-a", "A"), new Sheet(app, 1, "compare-b", "B")];
   const two = h("div", { class: "columns" }, ...sheets.map(({ table }) => h("div", { class: "sheet-place" }, table)));
-  const more = h("div", {}, h("div", { class: "row" }, swap, h("label", {}, difference, " ", named(h("span"), "compare.difference"))), numbers, named(h("h2"), "compare.turn"), sliders, named(h("h2"), "compare.sheets"), two);
+  const more = h("div", {}, h("div", { class: "row" }, swap, h("label", {}, difference, " ", named(h("span"), "compare.difference"))), numbers, named(h("h2"), "compare.sheets"), two, named(h("h2"), "compare.turn"), sliders);
   select.addEventListener("change", () => {
     if (select.value === "") void app.change({ b: null, beside: false });
     else if (select.value !== "own") void app.setBase(1, { builtin: select.value });

@@ -1,8 +1,9 @@
 // The keyboard: 88 actions of one piano, each with its own hammer, leads and dampers, under ten fingers.
 import uPlot from "uplot";
-import type { FromKeys, Scene } from "../engine/protocol";
+import type { FromKeys, KeyImpact, Scene } from "../engine/protocol";
 import type { App } from "./app";
 import { fixed, h, say } from "./dom";
+import { PASSAGE, passage } from "./examples";
 import { Picture } from "./picture";
 import { PEDAL_MM } from "./play";
 import { FIRST } from "./state";
@@ -61,6 +62,36 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   /** Who holds which key: pointers and computer keys. */
   const held = new Map<string, number>();
   const struck = new Float64Array(KEYS + 1);
+  /** The passage: what is said of it, its notes, whether it waits for the keyboard, and the hammer speed of each note
+   * that has sounded, m/s; null while it is not played. */
+  const score = h("p", { id: "passage-said", role: "status" }), row = h("ol", { class: "passage", id: "passage-notes" });
+  const again = named(h("button", { type: "button", id: "passage", onclick: () => perform() }), "keyboard.passage");
+  let asked_for = false, sounded: (number | null)[] | null = null;
+  const perform = () => {
+    asked_for = !ready;
+    if (!ready) return;
+    sounded = PASSAGE.keys.map(() => null);
+    score.textContent = "";
+    row.replaceChildren(...PASSAGE.keys.map((one) => h("li", {}, nameOf(one))));
+    choose(PASSAGE.keys[0]!, false);
+    worker!.postMessage({ kind: "passage", notes: passage() });
+  };
+  app.onpassage = perform;
+  /** What a frame brought of the passage: which of its notes have sounded, and, once it is over, which have not. */
+  const listen = (impacts: KeyImpact[], passage_s: number | null) => {
+    if (!sounded || passage_s === null) return;
+    for (const { key, hammer_speed_m_per_s, at_s } of impacts) {
+      const note = at_s === null ? -1 : Math.floor(at_s / PASSAGE.period_s);
+      if (PASSAGE.keys[note] !== key) continue;
+      sounded[note] ??= hammer_speed_m_per_s;
+      row.children[note]!.className = "sounded";
+    }
+    if (passage_s < (PASSAGE.keys.length + 1) * PASSAGE.period_s) return;
+    const lost = sounded.filter((one) => one === null).length;
+    sounded.forEach((one, n) => one === null && row.children[n]!.replaceChildren(h("s", {}, nameOf(PASSAGE.keys[n]!)), h("span", { class: "unseen" }, " lost")));
+    score.textContent = `${PASSAGE.keys.length - lost} of ${PASSAGE.keys.length} notes sounded${lost ? `; ${lost} were lost.` : "."}`;
+    sounded = null;
+  };
 
   /** The keyboard that the state names, if there is one of that name. */
   const wanted = () => (app.keyboards.includes(app.state.keyboard) ? app.state.keyboard : FIRST.keyboard);
@@ -72,6 +103,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
         ready = true;
         told.textContent = "";
         look();
+        if (asked_for) perform();
       } else if (data.kind === "shown") {
         if (data.key !== key) return;
         scene = data.scene;
@@ -96,6 +128,9 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     ready = waiting = false;
     asked = 0;
     finger_m = null;
+    sounded = null;
+    row.replaceChildren();
+    score.textContent = "";
     scene = frame = null;
     rang.fill(0);
     held.clear();
@@ -125,6 +160,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
       speaks(numbers, key.lang);
     }
     const now = performance.now();
+    listen(data.impacts, data.passage_s);
     for (const impact of data.impacts) {
       struck[impact.key] = now;
       list.prepend(h("li", {}, `${nameOf(impact.key)} ${fixed(impact.hammer_speed_m_per_s, 2)} m/s`));
@@ -335,7 +371,9 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
 
   into.append(
     h("p", {}, "Every key is an action of its own, from heavy bass hammers to light treble ones. Press near the front edge to play loud, further back to play softly. Above is the action of the key that was pressed last: its key can be dragged, too."),
-    h("label", { class: "row" }, named(h("span"), "keyboard.keyboard"), " ", piano),
+    h("div", { class: "row" }, h("label", {}, named(h("span"), "keyboard.keyboard"), " ", piano), again),
+    row,
+    score,
     inside,
     h("div", { class: "row" }, chosen, numbers, open, ten),
     canvas,

@@ -5,6 +5,7 @@ import { App } from "./app";
 import { byId, h, say } from "./dom";
 import { comparePanel } from "./compare";
 import { diagnosePanel } from "./diagnose";
+import { exampleStrip } from "./example";
 import { filePanel } from "./file";
 import { keyboardPanel } from "./keyboard";
 import { numbers } from "./numbers";
@@ -109,9 +110,10 @@ const begin = async (): Promise<void> => {
   app.onchange.unshift(show);
   numbers(app, byId("numbers"));
   partCard(app);
+  exampleStrip(app);
 
   // Keys. The space bar is a finger, unless the focus is on something that takes it itself.
-  const takes = (target: EventTarget | null) => target instanceof Element && target.matches("input:not([type=range]), textarea, select, button, [role=tab], summary, .keys");
+  const takes = (target: EventTarget | null) => target instanceof Element && target.matches("input:not([type=range]), textarea, select, button, a[href], [role=tab], summary, .keys");
   // A control that was clicked has done its work: it does not keep the space bar from the key.
   let pointer = false;
   for (const event of ["pointerdown", "keydown"] as const) addEventListener(event, () => (pointer = event === "pointerdown"), { capture: true });
