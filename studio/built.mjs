@@ -1,7 +1,8 @@
-// node built.mjs ENGINE.wasm: the engine packed into built/engine.bin, and the built-in concert grand at rest as
-// built/picture.svg.
+// node built.mjs ENGINE.wasm: the engine packed into built/engine.bin, the built-in concert grand at rest as
+// built/picture.svg, and the pictures of the gallery as built/pictures.json.
 import { readFile, writeFile } from "node:fs/promises";
 import { gzipAsync } from "@gfx/zopfli";
+import { pictures } from "./pictures.mjs";
 
 const bytes = await readFile(process.argv[2]);
 const { instance } = await WebAssembly.instantiate(bytes, {});
@@ -14,3 +15,4 @@ const picture = `<svg class="action first" role="img" aria-label="A concert gran
 // A twentieth smaller than the best of zlib, for seconds of building.
 await writeFile(new URL("built/engine.bin", import.meta.url), await gzipAsync(bytes, { numiterations: 3 }));
 await writeFile(new URL("built/picture.svg", import.meta.url), picture + "\n");
+await writeFile(new URL("built/pictures.json", import.meta.url), JSON.stringify(pictures(erard)) + "\n");

@@ -3,6 +3,7 @@
 import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { defineConfig, type Plugin } from "vite";
+import { addressOf, EXAMPLES } from "./src/page/examples.js";
 
 /** What the page may do: nothing but itself. */
 export const POLICY = [
@@ -27,6 +28,12 @@ const plain = () => picture()
   .replace(/-?\d+\.\d{2,}/g, (number) => String(Number(Number(number).toFixed(1)) + 0))
   .replace(/(-?[\d.]+ -?[\d.]+)(?:L\1(?![\d.]))+/g, "$1");
 
+/** The cards of the gallery: a picture and a title, one click from the workbench. */
+const cards = () => {
+  const drawn = JSON.parse(built("pictures.json").toString()) as Record<string, string>;
+  return EXAMPLES.map((example) => `<li><a href="./tools.html#${addressOf(example).replaceAll("&", "&amp;")}">${drawn[example.id]}<span>${example.title}</span></a></li>`).join("\n");
+};
+
 /** Scripts are asked for once the page itself is here: before, they would share the line with the first picture. */
 const last = (html: string) => {
   const scripts = html.match(/<script type="module"[^>]*src=[^>]*><\/script>|<link rel="modulepreload"[^>]*>/g) ?? [];
@@ -42,7 +49,7 @@ const studio = (): Plugin => ({
     handler: (html, { server, path }) => {
       const policy = server ? "" : `<meta http-equiv="Content-Security-Policy" content="${POLICY}">`;
       html = last(html);
-      return html.replace("<!--policy-->", policy).replace("<!--picture-->", path.endsWith("index.html") ? plain() : picture());
+      return html.replace("<!--policy-->", policy).replace("<!--examples-->", cards).replace("<!--picture-->", path.endsWith("index.html") ? plain() : picture());
     },
   },
   configureServer(server) {
@@ -55,7 +62,7 @@ const studio = (): Plugin => ({
   generateBundle(_, bundle) {
     this.emitFile({ type: "asset", fileName: "engine.bin", source: built("engine.bin") });
     const files = ["./", "tools.html", "engine.bin", "icon.svg", "studio.webmanifest", ...Object.keys(bundle).filter((name) => !name.endsWith(".html") && name !== "engine.bin")];
-    const version = createHash("sha256").update(built("engine.bin")).update(Object.keys(bundle).join()).update(built("picture.svg")).update(page("index.html")).update(page("tools.html")).digest("hex").slice(0, 16);
+    const version = createHash("sha256").update(built("engine.bin")).update(Object.keys(bundle).join()).update(built("picture.svg")).update(built("pictures.json")).update(page("index.html")).update(page("tools.html")).digest("hex").slice(0, 16);
     const source = readFileSync(new URL("./src/sw.js", import.meta.url), "utf8").replace("/*version*/", version).replace("/*files*/", files.map((name) => JSON.stringify(name)).join(", "));
     this.emitFile({ type: "asset", fileName: "sw.js", source });
   },

@@ -17,6 +17,8 @@ import * as bench from "./bench.mjs";
 import * as page from "./page.mjs";
 import { diagnose } from "./diagnose.mjs";
 import { edges } from "./edges.mjs";
+import { gallery } from "./gallery.mjs";
+import { terms } from "./terms.mjs";
 import { typed } from "./typed.mjs";
 import * as reader from "./reader.mjs";
 import * as story from "./story.mjs";
@@ -53,6 +55,8 @@ const tests = {
   keyboard: bench.keyboard,
   "strings of a chord": bench.strung,
   ...(process.env.ERARD ? { diagnose } : {}),
+  "the gallery": gallery,
+  "terms in three languages": terms,
   "rough edges": edges,
   link: page.link,
   offline: page.offline,

@@ -1,7 +1,7 @@
 // The worker that owns a whole keyboard: 88 actions, those at rest free of cost.
 import { Library, LibraryError } from "./library";
 import { READING_BYTES, STEP_S } from "./played";
-import type { FromKeys, Scene, ToKeys } from "./protocol";
+import type { FromKeys, KeyImpact, Scene, ToKeys } from "./protocol";
 
 /** Never more than this at once, s; and a page that asks for nothing for so long was not looked at. */
 const MAX_ADVANCE_S = 0.1, AWAY_S = 0.5;
@@ -22,6 +22,10 @@ let last_ms: number | null = null;
 let owed_s = 0;
 /** Time that was not computed, for it would not have been in time, s. */
 let late_s = 0;
+/** What a passage has still to do, in the order of its time: after how many steps which key is pressed by how much; and
+ * the steps since it began. */
+let score: { step: number; key: number; force_n: number }[] = [];
+let walked: number | null = null;
 let shown: { key: number; bodies: number; angles: number } | null = null;
 let finger_m: number | null = null;
 const say = (message: FromKeys, transfer: Transferable[] = []) => postMessage(message, { transfer });
@@ -66,6 +70,14 @@ const show = (key: number): void => {
   }
 };
 
+/** A passage begins. */
+const begin = (notes: [number, number, number, number][]): void => {
+  walked = 0;
+  score = notes
+    .flatMap(([key, from_s, to_s, force_n]) => [{ step: Math.round(from_s / STEP_S), key, force_n }, { step: Math.round(to_s / STEP_S), key, force_n: 0 }])
+    .sort((a, b) => a.step - b.step);
+};
+
 const frame = (wall_ms: number, forces: [number, number][], to_m: number | null): void => {
   const { raw } = library;
   const began = performance.now();
@@ -79,25 +91,28 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
   const steps = Math.floor(owed_s / STEP_S + 1e-6);
   owed_s = Math.max(owed_s - steps * STEP_S, 0);
   const bridge_n = new Float32Array(sounds ? steps : 0);
-  const struck: { key: number; hammer_speed_m_per_s: number }[] = [];
+  const struck: KeyImpact[] = [];
   const from_m = finger_m ?? to_m;
   const wanted = to_m === null || from_m === null || !steps ? 0 : (to_m - from_m) / (steps * STEP_S);
   const velocity = Math.min(Math.max(wanted, -FASTEST_M_PER_S), FASTEST_M_PER_S);
   if (shown && to_m === null && finger_m !== null) drive(shown.key, FREE, 0, 0, 0);
   for (let done = 0; done < steps; ) {
-    const some = sounds ? 1 : to_m === null ? steps : Math.min(STRIDE, steps - done);
+    for (; walked !== null && score[0] && score[0].step <= walked; score.shift()) drive(score[0].key, score[0].force_n > 0 ? FORCE : FREE, score[0].force_n, 0, 0);
+    const free = Math.min(steps - done, walked !== null && score[0] ? score[0].step - walked : steps);
+    const some = sounds ? 1 : to_m === null ? free : Math.min(STRIDE, free);
     if (shown && to_m !== null && from_m !== null) drive(shown.key, MOTION, 0, from_m + velocity * (done + 0.5 * some) * STEP_S, velocity);
     check(raw.erard_keyboard_step(keyboard, some, impacts, MAX_IMPACTS, count));
     const many = Math.min(library.u32(count, 1)[0]!, MAX_IMPACTS);
     for (let n = 0; n < many; n++) {
       const at = impacts + IMPACT_BYTES * n;
-      struck.push({ key: library.u32(at + 4, 1)[0]!, hammer_speed_m_per_s: library.f64(at + 16, 1)[0]! });
+      struck.push({ key: library.u32(at + 4, 1)[0]!, hammer_speed_m_per_s: library.f64(at + 16, 1)[0]!, at_s: walked === null ? null : walked * STEP_S });
     }
     if (sounds) {
       check(raw.erard_keyboard_total_bridge_force(keyboard, bridge));
       bridge_n[done] = library.f64(bridge, 1)[0]!;
     }
     done += some;
+    if (walked !== null) walked += some;
   }
   finger_m = to_m === null || from_m === null ? null : from_m + velocity * steps * STEP_S;
   const [key_m, hammer_rise_m, finger_force_n] = [new Float32Array(keys), new Float32Array(keys), new Float32Array(keys)];
@@ -114,7 +129,7 @@ const frame = (wall_ms: number, forces: [number, number][], to_m: number | null)
     pose = { key: shown.key, angles: Float32Array.from(library.f64(shown.angles, shown.bodies)) };
   }
   const awake = raw.erard_keyboard_awake_count(keyboard);
-  say({ kind: "frame", wall_ms, key_m, hammer_rise_m, finger_force_n, impacts: struck, awake, steps, cost_ms: performance.now() - began, late_s, shown: pose, bridge_n }, [key_m.buffer, hammer_rise_m.buffer, finger_force_n.buffer, bridge_n.buffer]);
+  say({ kind: "frame", wall_ms, key_m, hammer_rise_m, finger_force_n, impacts: struck, passage_s: walked === null ? null : walked * STEP_S, awake, steps, cost_ms: performance.now() - began, late_s, shown: pose, bridge_n }, [key_m.buffer, hammer_rise_m.buffer, finger_force_n.buffer, bridge_n.buffer]);
 };
 
 const check = (status: number): void => {
@@ -128,6 +143,7 @@ addEventListener("message", ({ data }: MessageEvent<ToKeys>) => {
       if (data.kind === "open") return open(data.module, data.name);
       if (data.kind === "show") return show(data.key);
       if (data.kind === "pedal") return check(library.raw.erard_keyboard_set_pedal(keyboard, data.lift_m));
+      if (data.kind === "passage") return begin(data.notes);
       frame(data.wall_ms, data.forces, data.finger_m);
     })
     .catch((error: unknown) => say({ kind: "fault", message: error instanceof Error ? error.message : String(error) }));

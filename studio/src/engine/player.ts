@@ -95,13 +95,15 @@ export class Player {
     return scenes;
   }
 
-  /** A stroke begins on all actions. @returns what was done to a recording to make it ready, a line each. */
-  begin(stroke: Stroke): string[] {
+  /** A stroke begins on all actions, on others than the first `other`, if there is one. @returns what was done to a
+   * recording to make it ready, a line each. */
+  begin(stroke: Stroke, other: Stroke | null = null): string[] {
     this.owed_s = this.force_n = 0;
     this.finger_m = null;
     this.impact_s = -Infinity;
+    this.fresh = [];
     this.resting = false;
-    const told = this.actions.map((one) => one.beginStroke(stroke, this.actions[0]!))[0] ?? [];
+    const told = this.actions.map((one, which) => one.beginStroke(which ? (other ?? stroke) : stroke, this.actions[0]!))[0] ?? [];
     this.actions.forEach((one) => one.pedal(this.pedal_m));
     return told;
   }

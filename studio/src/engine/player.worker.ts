@@ -43,7 +43,7 @@ const act = async (message: ToPlayer): Promise<void> => {
       return;
     case "stroke":
       try {
-        say({ kind: "stroke-begun", told: player.begin(message.stroke) });
+        say({ kind: "stroke-begun", told: player.begin(message.stroke, message.other) });
       } catch (error) {
         if (error instanceof WebAssembly.RuntimeError) throw error;
         player.stop();

@@ -78,7 +78,7 @@ export type Slow =
 export type ToPlayer =
   | { kind: "open"; module: WebAssembly.Module }
   | { kind: "load"; id: number; texts: string[]; keep: boolean }
-  | { kind: "stroke"; stroke: Stroke }
+  | { kind: "stroke"; stroke: Stroke; other?: Stroke | null }
   | { kind: "stop" }
   | { kind: "pedal"; lift_m: number }
   | { kind: "rest" }
@@ -211,18 +211,29 @@ export type FromWorkshop =
   | { kind: "done"; id: number; answer: unknown }
   | { kind: "failed"; id: number; message: string; fault: boolean };
 
+/** An impact of a key's hammer; where a passage is played, when, s from its beginning. */
+export interface KeyImpact {
+  key: number;
+  hammer_speed_m_per_s: number;
+  at_s: number | null;
+}
+
 /** How keys of a built-in keyboard are pressed: key, from 1, and force, N, 0 lets go; and of the key that is shown,
  * where the far end of a fingertip on it is, m (null: lifted). The pedal: lift of its rail, m. */
 export type ToKeys =
   | { kind: "open"; module: WebAssembly.Module; name: string }
   | { kind: "show"; key: number }
   | { kind: "pedal"; lift_m: number }
+  /** Notes that are played by themselves: key, from when to when, s from now, and the force, N. */
+  | { kind: "passage"; notes: [number, number, number, number][] }
   | { kind: "frame"; wall_ms: number; forces: [number, number][]; finger_m: number | null };
 export type FromKeys =
   | { kind: "ready"; keys: number; took_ms: number }
   | { kind: "shown"; key: number; scene: Scene }
   | {
-      kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_rise_m: Float32Array; finger_force_n: Float32Array; impacts: { key: number; hammer_speed_m_per_s: number }[];
+      kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_rise_m: Float32Array; finger_force_n: Float32Array; impacts: KeyImpact[];
+      /** How far the passage is, s from its beginning; null where there was none. */
+      passage_s: number | null;
       awake: number; steps: number; cost_ms: number; late_s: number; shown: { key: number; angles: Float32Array } | null;
       /** Force of all strings on the bridge after each step of the frame, N; none where no strings sound. */
       bridge_n: Float32Array;

@@ -1,13 +1,15 @@
 // The studio: what the panels share. It owns the state, the workers and the clock of frames, and knows nothing of the
 // panels' insides.
-import type { Dial, Events, FromPlayer, Pose, Scene, Stroke, ToPlayer, Touch } from "../engine/protocol";
+import type { Dial, Events, FromPlayer, Impact, Pose, Scene, Stroke, ToPlayer, Touch } from "../engine/protocol";
 import { Bench, Dropped } from "./bench";
 import { CurvePanel } from "./curves";
 import { byId, fixed, later, say } from "./dom";
 import type { Chosen } from "./part";
 import { PARTS } from "./parts";
+import { exampleOf, LENGTH_S, strokeOf } from "./examples";
 import { Picture, type View } from "./picture";
 import { type Base, DEEPEST_M, FIRST, fromHash, same, type Setting, type State, toHash } from "./state";
+import { called, named, onlanguage, speaks } from "./terms";
 
 /** What is known of an action that is played. */
 export interface Loaded {
@@ -88,6 +90,8 @@ export class App {
   constructor(readonly engine: WebAssembly.Module) {
     this.bench = new Bench(engine);
     this.startPlayer();
+    // Names in the picture and in the curves are drawn.
+    onlanguage.push(() => this.scenes.length && this.show(this.scenes));
   }
 
   // -------------------------------------------------------------------------------------------------------- the player
@@ -127,6 +131,7 @@ export class App {
         this.notice(message.message);
         return;
       case "stroke-begun":
+        [this.shows, this.waits, this.heard] = [this.waits, null, []];
         return this.onstroke.forEach((told) => told(message.told));
       case "restored":
         this.broken = false;
@@ -286,6 +291,7 @@ export class App {
     if (frame.curves) this.curves.draw(frame.curves, this.names, this.state.difference, this.at_s);
     this.onframe.forEach((told) => told(frame));
     this.transport(frame);
+    this.look(frame.impacts, end);
     // While nothing happens nothing is asked for.
     if (frame.resting && frame.curves && !this.woken && !this.playing && this.at_s === null) this.needed = false;
   }
@@ -322,6 +328,19 @@ export class App {
     this.tell({ kind: "frame", wall_ms: now, touch, at_s: this.at_s, curves, pace: this.state.slow ? this.state.speed : 1, slow: [] });
   };
 
+  /** Goes to the impact that an example is about, when its stroke is over. */
+  private look(impacts: Impact[], end_s: number): void {
+    if (!this.shows) return;
+    this.heard.push(...impacts);
+    if (end_s < LENGTH_S) return;
+    const [which, nth] = this.shows, at = this.heard.filter(({ action }) => action === which)[nth - 1];
+    this.shows = null;
+    if (at) this.seek(at.time_s);
+  }
+
+  /** Whether the button of the replay says that it pauses. */
+  private pausable = false;
+
   private transport(frame: Frame): void {
     const slider = byId<HTMLInputElement>("time"), clock = byId("clock");
     const [from, to] = this.span;
@@ -331,12 +350,14 @@ export class App {
     const at = this.at_s ?? to;
     const start = frame.events[0]?.key_start_s;
     const since = start !== undefined && Number.isFinite(start) ? start : to;
-    const text = this.at_s === null ? (frame.resting ? "at rest" : "now") : `${fixed(1e3 * (at - since), 2)} ms`;
+    const now = called(frame.resting ? "tool.at-rest" : "tool.now");
+    const text = this.at_s === null ? now.text : `${fixed(1e3 * (at - since), 2)} ms`;
     clock.textContent = text;
+    speaks(clock, this.at_s === null ? now.lang : null);
     slider.setAttribute("aria-valuetext", this.at_s === null ? text : `${text} from the key's start`);
     byId("live").setAttribute("aria-pressed", String(this.at_s === null));
     byId("replay").setAttribute("aria-pressed", String(this.playing));
-    byId("replay").textContent = this.playing ? "Pause" : "Replay";
+    if (this.playing !== this.pausable) named(byId("replay").firstElementChild!, (this.pausable = this.playing) ? "tool.pause" : "tool.replay");
   }
 
   get events(): Events[] {
@@ -372,16 +393,37 @@ export class App {
     this.begin();
   }
 
+  /** The impact of an example that is looked at once its stroke is over, which action's and which; before the stroke
+   * has begun it waits. And the impacts so far. */
+  private waits: [number, number] | null = null;
+  private shows: [number, number] | null = null;
+  private heard: Impact[] = [];
+  /** Told to play the keyboard's passage. */
+  onpassage: () => void = () => {};
+
+  /** Plays the example that is shown, and then looks at its instant. */
+  perform(): void {
+    const example = exampleOf(this.state.example);
+    if (!example) return;
+    say(example.see);
+    if (example.passage) return this.onpassage();
+    const stroke = strokeOf(example);
+    if (!stroke) return;
+    this.stroke(stroke, example.other ?? null);
+    this.waits = example.at ?? null;
+  }
+
   /** The stroke that was played last. */
   lastStroke: Stroke | null = null;
 
   /** A stroke is played from rest, as `erard press` plays it. */
-  stroke(stroke: Stroke): void {
+  stroke(stroke: Stroke, other: Stroke | null = null): void {
     this.goLive();
+    this.waits = this.shows = null;
     this.notice(null);
     this.touch = LIFTED;
     this.lastStroke = stroke;
-    this.tell({ kind: "stroke", stroke });
+    this.tell({ kind: "stroke", stroke, other });
     document.getElementById("hint")?.remove();
     this.begin();
   }
@@ -392,6 +434,7 @@ export class App {
   }
 
   private begin(): void {
+    this.shows = null;
     if (!this.needed) this.tell({ kind: "rest" });
     this.wake();
   }
@@ -441,6 +484,7 @@ export class App {
       await this.reload();
     }
     this.notice(said);
+    if (!said) this.perform();
     addEventListener("hashchange", () => void this.follow());
     requestAnimationFrame(this.tick);
   }
@@ -451,6 +495,7 @@ export class App {
     await this.change(state);
     this.pictures.forEach((picture) => (state.view ? picture.look(state.view as View, true) : picture.lookWhole()));
     if (fault) this.notice(fault);
+    else this.perform();
   }
 
   private written = "";
@@ -533,7 +578,7 @@ export class App {
 
   setBase(which: number, base: Base): Promise<boolean> {
     const setting: Setting = { base, turns: {} };
-    return this.change(which ? { b: setting } : { a: setting });
+    return this.change(which ? { b: setting } : { a: setting, example: "" });
   }
 
   private reloading: Promise<boolean> | null = null;

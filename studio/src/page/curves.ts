@@ -1,6 +1,7 @@
 // The curves of the last second: travels and forces, of one action or of two, or what differs between two.
 import uPlot from "uplot";
 import { h } from "./dom";
+import { called, onlanguage, speaks } from "./terms";
 
 export interface Curves {
   times: Float64Array;
@@ -9,8 +10,8 @@ export interface Curves {
 }
 
 const ROWS = [
-  { title: "travel, mm", of: [0, 1], names: ["key", "hammer"], least: 12 },
-  { title: "force, N", of: [2, 3], names: ["finger", "string"], least: 2 },
+  { title: "curve.travel", of: [0, 1], names: ["curve.key", "curve.hammer"], least: 12 },
+  { title: "curve.force", of: [2, 3], names: ["curve.finger", "curve.string"], least: 2 },
 ] as const;
 
 export class CurvePanel {
@@ -23,6 +24,7 @@ export class CurvePanel {
     this.into = into;
     new ResizeObserver(() => this.fit()).observe(into);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => (this.made = ""));
+    onlanguage.push(() => (this.made = ""));
   }
 
   private size(): { width: number; height: number } {
@@ -44,18 +46,19 @@ export class CurvePanel {
       const shown = difference ? ["B \u2212 A"] : names;
       const series = shown.flatMap((whose, action) =>
         row.names.map((name, k) => ({
-          label: shown.length > 1 || difference ? `${name}, ${whose}` : name,
+          label: shown.length > 1 || difference ? `${called(name).text}, ${whose}` : called(name).text,
           stroke: inks[index]![k]!,
           width: 1.5,
           dash: action > 0 || difference ? [6, 3] : [],
           value: (_: uPlot, value: number | null) => (value === null || Number.isNaN(value) ? "\u2013" : value.toFixed(2)),
         })));
       const axis = { stroke: colour("--soft"), grid: { stroke: colour("--grid"), width: 1 }, ticks: { stroke: colour("--grid"), width: 1 } };
-      const into = h("div", { class: "plot", role: "img", "aria-label": `Curves of the last second: ${row.title}` });
+      const title = called(row.title), into = h("div", { class: "plot", role: "img", "aria-label": title.text });
+      speaks(into, title.lang);
       this.into.append(into);
       const plot = new uPlot({
         ...this.size(),
-        title: row.title,
+        title: title.text,
         scales: {
           x: { time: false },
           // What rests is a line at the foot, not noise as tall as the plot.

@@ -5,6 +5,7 @@ import type { App } from "./app";
 import { Dropped } from "./bench";
 import { fixed, h, say } from "./dom";
 import { same } from "./state";
+import { type Label, named } from "./terms";
 
 /** What most people can measure, in the order of work; the rest is folded. */
 const FIRST = ["down_weight_g", "up_weight_g", "let_off_mm", "drop_mm", "dip_mm", "blow_mm", "aftertouch_mm", "strike_weight_g", "front_weight_g", "leads", "key_ratio"];
@@ -12,64 +13,80 @@ const MIDDLE_C = 40;
 /** In place of a unit: the entry is a condition, answered in words. */
 const YES_OR_NO = "yes|no";
 /** Fields that are no entries of the table. */
-const KEY = { name: "key", label: "key", unit: "", usual: [null, null], how: "by number (1 to 88) or note (A0 to C8): usual ranges differ along the keyboard" };
-const LEADS = { name: "leads", label: "leads", unit: "g@mm", usual: [null, null], how: "grams at millimetres in front of the balance pin, as in 14@165, 14@147; behind it negative" };
+const KEY = { name: "key", label: "key", term: "diagnose.key", unit: "", usual: [null, null], how: "by number (1 to 88) or note (A0 to C8): usual ranges differ along the keyboard" };
+const LEADS = { name: "leads", label: "leads", term: "diagnose.leads", unit: "g@mm", usual: [null, null], how: "grams at millimetres in front of the balance pin, as in 14@165, 14@147; behind it negative" };
 /** What stands at the head of the printed sheet, and is no reading. */
-const HEAD = ["piano", "date", "note"];
+const HEAD = ["piano", "date", "note"] as const;
 
-type Field = Pick<Measurable, "name" | "label" | "unit" | "usual" | "how">;
+type Field = Pick<Measurable, "name" | "label" | "unit" | "usual" | "how"> & { term?: string };
 type Answer = { faults: ReadingFault[] } | { answer: Diagnosis };
 
 const range = (low: number | null, high: number | null, decimals: number): string =>
-  low !== null && high !== null ? `${fixed(low, decimals)}\u2013${fixed(high, decimals)}` : low !== null ? `from ${fixed(low, decimals)}` : high !== null ? `to ${fixed(high, decimals)}` : "";
+  low !== null && high !== null ? `${fixed(low, decimals)}\u2013${fixed(high, decimals)}` : low !== null ? `\u2265 ${fixed(low, decimals)}` : high !== null ? `\u2264 ${fixed(high, decimals)}` : "";
 const signed = (value: number, decimals: number): string => (value < 0 ? fixed(value, decimals) : `+${fixed(value, decimals)}`);
 const percent = (share: number): string => {
   const whole = Math.round(100 * share);
   return whole < 1 ? "under 1\u00a0%" : whole > 99 ? "over 99\u00a0%" : `${whole}\u00a0%`;
 };
-const MARKS: Record<string, string> = { out: "!", doubtful: "? take it again", not_judged: "not judged" };
+/** What is put beside a reading: a sign, and a label. */
+const MARKS: Record<string, [string, Label | null]> = { out: ["!", null], doubtful: ["? ", "diagnose.doubtful"], not_judged: ["", "diagnose.not-judged"] };
+/** A label within a line. */
+const term = (key: Label) => named(h("span"), key);
+/** A reading, a cause: the engine's English, or the chosen language's term. */
+const quantity = (name: string, label: string) => named(h("span"), `quantity.${name}`, label);
+const cause = (key: string, name: string) => named(h("b"), `cause.${key}`, name);
+/** Nodes with a text between them. */
+const joined = (nodes: Node[][], between: string): (Node | string)[] => nodes.flatMap((some, n) => (n ? [between, ...some] : some));
 
 /** The sheet of a key: what can be printed and taken to the piano. */
-const sheetOf = (key: Diagnosed, { is_key_assumed, rests_on }: Diagnosis, head: [string, string][], how: (name: string) => string): HTMLElement[] => {
-  const readings = h("table", { class: "sheet" }, h("caption", {}, "Readings"));
+const sheetOf = (key: Diagnosed, { is_key_assumed, rests_on }: Diagnosis, head: [Label, string][], how: (name: string) => string): HTMLElement[] => {
+  const readings = h("table", { class: "sheet" }, named(h("caption"), "diagnose.readings"));
   readings.append(
-    h("thead", {}, h("tr", {}, ...["reading", "here", "usual", ""].map((text) => (text ? h("th", { scope: "col" }, text) : h("td"))))),
+    h("thead", {}, h("tr", {}, ...(["diagnose.reading", "diagnose.here", "sheet.usual"] as const).map((key) => named(h("th", { scope: "col" }), key)), h("td"))),
     h("tbody", {}, ...key.readings.map((line) => {
-      const value = line.value === null ? "none" : `${fixed(line.value, line.decimals)} ${line.unit}`.trim();
-      return h("tr", { "data-reading": line.name }, h("th", { scope: "row" }, line.label), h("td", { class: line.standing === "out" ? "out" : null }, value), h("td", {}, range(line.usual_low, line.usual_high, line.decimals)), h("td", { class: `mark-text${line.standing === "out" ? " out" : ""}` }, MARKS[line.standing] ?? ""));
+      const value = line.value === null ? term("sheet.none") : `${fixed(line.value, line.decimals)} ${line.unit}`.trim();
+      const [sign, mark] = MARKS[line.standing] ?? ["", null];
+      return h("tr", { "data-reading": line.name }, named(h("th", { scope: "row" }), `quantity.${line.name}`, line.label), h("td", { class: line.standing === "out" ? "out" : null }, value), h("td", {}, range(line.usual_low, line.usual_high, line.decimals)), h("td", { class: `mark-text${line.standing === "out" ? " out" : ""}` }, sign, mark && term(mark)));
     })),
   );
-  const causes = key.causes.map((cause) =>
-    h("li", { "data-cause": cause.cause },
-      h("b", {}, cause.name), `, ${percent(cause.probability)}`,
+  const causes = key.causes.map((one) =>
+    h("li", { "data-cause": one.cause },
+      cause(one.cause, one.name), `, ${percent(one.probability)}`,
       h("dl", { class: "facts" },
-        ...(cause.explains.length ? [h("dt", {}, "explains"), h("dd", {}, cause.explains.map(({ label, by, unit, decimals }) => `${label} ${signed(by, decimals)} ${unit}`.trim()).join(", "))] : []),
-        h("dt", {}, "test"), h("dd", {}, cause.test),
-        h("dt", {}, "then"), h("dd", {}, cause.cure),
+        ...(one.explains.length ? [named(h("dt"), "diagnose.explains"), h("dd", {}, ...joined(one.explains.map(({ name, label, by, unit, decimals }) => [quantity(name, label), new Text(` ${signed(by, decimals)} ${unit}`.trimEnd())]), ", "))] : []),
+        named(h("dt"), "diagnose.test"), h("dd", {}, one.test),
+        named(h("dt"), "diagnose.then"), h("dd", {}, one.cure),
       ),
     ));
   const next = key.measure_next;
   const why = key.readings.find(({ standing }) => standing === "not_judged")?.likely_reason;
-  const band = (of: { low: number; high: number } | null, decimals: number, unit: string) => (of ? `${fixed(of.low, decimals)} to ${fixed(of.high, decimals)}${unit}` : "left out");
+  const band = (of: { low: number; high: number } | null, decimals: number, unit: string) => (of ? `${fixed(of.low, decimals)}\u2013${fixed(of.high, decimals)}${unit}` : term("diagnose.left-out"));
   return [
     h("h2", {}, `${key.note} (key ${key.key}): diagnosis of your readings`),
-    ...(head.length ? [h("dl", { class: "head" }, ...head.flatMap(([name, text]) => [h("dt", {}, name), h("dd", {}, text)]))] : []),
+    ...(head.length ? [h("dl", { class: "head" }, ...head.flatMap(([name, text]) => [named(h("dt"), name), h("dd", {}, text)]))] : []),
     ...(is_key_assumed ? [h("p", { class: "assumed" }, `No key was named: usual ranges are those of ${key.note} (key ${key.key}).`)] : []),
     readings,
     ...(why ? [h("p", { class: "soft" }, `Not judged: ${why}.`)] : []),
-    ...(key.to_do.length ? [h("h3", {}, "To do, in this order"), h("ol", { class: "to-do" }, ...key.to_do.map((line) => h("li", {}, line)))] : []),
+    ...(key.to_do.length ? [named(h("h3"), "diagnose.to-do"), h("ol", { class: "to-do" }, ...key.to_do.map((line) => h("li", {}, line)))] : []),
     h(key.is_work ? "h3" : "p", { class: "verdict" }, key.verdict),
     ...(causes.length ? [h("ol", { class: "causes" }, ...causes)] : []),
     ...(key.open_question && key.open_question !== key.verdict ? [h("p", { class: "verdict" }, key.open_question)] : []),
-    ...(key.undecided.length ? [h("ul", { class: "open" }, ...key.undecided.map(({ cause, name, test }) => h("li", { "data-open": cause }, h("b", {}, name), `: ${test}`)))] : []),
+    ...(key.undecided.length ? [h("ul", { class: "open" }, ...key.undecided.map((one) => h("li", { "data-open": one.cause }, cause(one.cause, one.name), `: ${one.test}`)))] : []),
     ...(key.something_else > 0.05 ? [h("p", { class: "soft" }, `Something that is not in this list: ${percent(key.something_else)}.`)] : []),
     ...(next ? [
-      h("h3", {}, `Measure next: ${next.label}`),
+      // Down-weight and up-weight are taken together.
+      h("h3", {}, term("diagnose.next"), ": ", next.label.startsWith("down-weight and up-weight") ? term("diagnose.weights") : quantity(next.name, next.label)),
       h("p", {}, `How: ${next.how}.`),
-      h("ul", { class: "next" }, ...next.would_read.map(({ value, names }) => h("li", {}, `about ${fixed(value, next.decimals)} ${next.unit}: ${names}`.replace(" :", ":")))),
+      h("ul", { class: "next" }, ...next.would_read.map(({ value, causes, names }) => {
+        const each = names.split(" + ");
+        const all = causes.length ? joined(causes.map((one, n) => [named(h("span"), `cause.${one}`, each[n]!)]), " + ") : [term("diagnose.none-of-these")];
+        return h("li", {}, term("diagnose.about"), ` ${fixed(value, next.decimals)} ${next.unit}`.trimEnd(), ": ", ...all);
+      })),
     ] : []),
-    h("h3", {}, "What follows from the weights"),
-    ...[`leverage: ${band(key.leverage, 2, "")}`, `inertia at the key: ${band(key.inertia_kg, 2, " kg")}`, ...key.notes].map((line) => h("p", { class: "soft" }, line)),
+    named(h("h3"), "diagnose.follows"),
+    h("p", { class: "soft" }, quantity("strike_weight_ratio", "leverage"), ": ", band(key.leverage, 2, "")),
+    h("p", { class: "soft" }, term("diagnose.inertia"), ": ", band(key.inertia_kg, 2, " kg")),
+    ...key.notes.map((line) => h("p", { class: "soft" }, line)),
     ...key.readings.filter(({ name }) => name === "down_weight_g" || name === "up_weight_g").map(({ name, label }) => h("p", { class: "soft" }, `${label}, ${how(name)}.`)),
     ...(key.is_work ? [h("p", { class: "soft" }, rests_on)] : []),
   ];
@@ -96,7 +113,7 @@ export const diagnosePanel = (app: App, into: HTMLElement): void => {
     const how = h("p", { class: "soft", id: `${id}-how` }, hint(of, decimals));
     const wrong = h("p", { class: "bad", id: `${id}-wrong`, hidden: true });
     inputs.set(of.name, { input, how, wrong, field: of });
-    return h("div", { class: "reading", "data-field": of.name }, h("label", { for: id }, of.label), h("span", { class: "number" }, input, h("span", { class: "unit" }, isQuestion ? "" : of.unit)), wrong, how);
+    return h("div", { class: "reading", "data-field": of.name }, named(h("label", { for: id }), of.term ?? `quantity.${of.name}`, of.label), h("span", { class: "number" }, input, h("span", { class: "unit" }, isQuestion ? "" : of.unit)), wrong, how);
   };
 
   const given = (): Record<string, string> =>
@@ -137,7 +154,7 @@ export const diagnosePanel = (app: App, into: HTMLElement): void => {
         say(told.faults.map(({ found, expected }) => `${found}; expected ${expected}`).join(". "));
       } else {
         const [one] = told.answer.keys;
-        sheet.replaceChildren(...sheetOf(one!, told.answer, HEAD.map((name): [string, string] => [name, head.get(name)!.value.trim()]).filter(([, text]) => text), (name) => inputs.get(name)!.field.how));
+        sheet.replaceChildren(...sheetOf(one!, told.answer, HEAD.map((name): [Label, string] => [`diagnose.${name}`, head.get(name)!.value.trim()]).filter(([, text]) => text), (name) => inputs.get(name)!.field.how));
         say(one!.causes.length ? `${one!.causes.length === 1 ? "1 cause" : `${one!.causes.length} causes`}: ${one!.causes.map(({ name }) => name).join("; ")}.` : one!.verdict);
         await ranges(one!.key);
       }
@@ -156,8 +173,8 @@ export const diagnosePanel = (app: App, into: HTMLElement): void => {
     for (const one of await app.bench.ask<Measurable[]>({ kind: "diagnosable", key })) inputs.get(one.name)!.how.textContent = hint(one, one.decimals);
   };
 
-  const print = h("button", { type: "button", id: "print", disabled: true, onclick: () => window.print() }, "Print the sheet");
-  const clear = h("button", { type: "button", id: "clear", onclick: () => void app.change({ readings: {} }) }, "Clear");
+  const print = named(h("button", { type: "button", id: "print", disabled: true, onclick: () => window.print() }), "diagnose.print");
+  const clear = named(h("button", { type: "button", id: "clear", onclick: () => void app.change({ readings: {} }) }), "diagnose.clear");
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     // What is typed and asked for again is answered again: it may be nothing.
@@ -165,7 +182,7 @@ export const diagnosePanel = (app: App, into: HTMLElement): void => {
     else void app.change({ readings: given() });
   });
   form.addEventListener("change", ({ target }) => {
-    if (HEAD.includes((target as HTMLInputElement).name)) void (sheet.childElementCount && take());
+    if ((HEAD as readonly string[]).includes((target as HTMLInputElement).name)) void (sheet.childElementCount && take());
     else void app.change({ readings: given() });
   });
 
@@ -173,18 +190,18 @@ export const diagnosePanel = (app: App, into: HTMLElement): void => {
     const all = await app.bench.ask<Measurable[]>({ kind: "diagnosable", key: MIDDLE_C });
     const of = (name: string) => (name === "leads" ? field(LEADS as Field) : ((one) => field(one, one.decimals))(all.find((one) => one.name === name)!));
     const rest = all.filter(({ name }) => !FIRST.includes(name));
-    const titled = (name: string) => {
+    const titled = (name: (typeof HEAD)[number]) => {
       const input = h("input", { type: "text", id: `head-${name}`, name, autocomplete: "off", maxlength: 400 });
       head.set(name, input);
-      return h("div", { class: "reading" }, h("label", { for: `head-${name}` }, name), h("span", { class: "number" }, input));
+      return h("div", { class: "reading" }, named(h("label", { for: `head-${name}` }), `diagnose.${name}`), h("span", { class: "number" }, input));
     };
     form.append(
       h("datalist", { id: "yes-or-no" }, ...YES_OR_NO.split("|").map((value) => h("option", { value }))),
       h("div", { class: "fields" }, field(KEY as Field), ...FIRST.map(of)),
-      h("details", {}, h("summary", {}, "More readings"), h("div", { class: "fields" }, ...rest.map(({ name }) => of(name)))),
-      h("details", {}, h("summary", {}, "Head of the printed sheet"), h("div", { class: "fields" }, ...HEAD.map(titled))),
+      h("details", {}, named(h("summary"), "diagnose.more"), h("div", { class: "fields" }, ...rest.map(({ name }) => of(name)))),
+      h("details", {}, named(h("summary"), "diagnose.head"), h("div", { class: "fields" }, ...HEAD.map(titled))),
       wrongAll,
-      h("div", { class: "row" }, h("button", { type: "submit", id: "diagnose" }, "Diagnose"), print, clear),
+      h("div", { class: "row" }, named(h("button", { type: "submit", id: "diagnose" }), "diagnose.diagnose"), print, clear),
     );
     follow();
   };

@@ -2,12 +2,13 @@
 import type { Check } from "../engine/protocol";
 import type { App } from "./app";
 import { h, later, save as download, say } from "./dom";
+import { named } from "./terms";
 
 export const filePanel = (app: App, into: HTMLElement): void => {
   const gutter = h("pre", { class: "gutter", "aria-hidden": "true" });
   const area = h("textarea", { spellcheck: "false", autocomplete: "off", wrap: "off", "aria-label": "Instrument file", "aria-describedby": "file-said", id: "file-text" });
   const said = h("p", { id: "file-said", role: "status" });
-  const go = h("button", { type: "button", hidden: true }, "Go to the line");
+  const go = named(h("button", { type: "button", hidden: true }), "file.line");
   let shown = "";
   let wrong: Check["errors"][number] | null = null;
 
@@ -81,7 +82,7 @@ export const filePanel = (app: App, into: HTMLElement): void => {
   };
 
   into.append(
-    h("div", { class: "row" }, h("button", { type: "button", id: "open", onclick: () => choose.click() }, "Open"), h("button", { type: "button", id: "save", onclick: save }, "Save"), choose, go),
+    h("div", { class: "row" }, named(h("button", { type: "button", id: "open", onclick: () => choose.click() }), "file.open"), named(h("button", { type: "button", id: "save", onclick: save }), "file.save"), choose, go),
     said,
     h("div", { class: "editor" }, gutter, area),
     h("p", { class: "soft" }, "Millimetres, grams, degrees. What you write here is read as the command reads it; a file can also be dropped onto the page."),

@@ -1,11 +1,13 @@
 // The keyboard: 88 actions of one piano, each with its own hammer, leads and dampers, under ten fingers.
 import uPlot from "uplot";
-import type { FromKeys, Scene } from "../engine/protocol";
+import type { FromKeys, KeyImpact, Scene } from "../engine/protocol";
 import type { App } from "./app";
 import { fixed, h, say } from "./dom";
+import { PASSAGE, passage } from "./examples";
 import { Picture } from "./picture";
 import { PEDAL_MM } from "./play";
 import { FIRST } from "./state";
+import { called, named, onlanguage, speaks } from "./terms";
 
 const NAMES = ["C", "C\u266f", "D", "D\u266f", "E", "F", "F\u266f", "G", "G\u266f", "A", "A\u266f", "B"];
 /** Key 1 is the lowest A. */
@@ -35,7 +37,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   const chosen = h("output", { id: "chosen" });
   const told = h("p", { class: "soft", id: "keys-said" }, "The 88 actions are getting ready \u2026");
   const list = h("ol", { class: "impacts", id: "impacts" });
-  const open = h("button", { type: "button", id: "open-key" }, "Play this action");
+  const open = named(h("button", { type: "button", id: "open-key" }), "keyboard.open");
   /** The chosen key's action, as it moves. */
   const inside = h("div", { class: "inside" });
   const numbers = h("p", { class: "soft", id: "key-numbers" });
@@ -49,7 +51,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   const level = h("output", { id: "bridge-level" });
   const piano = h("select", { id: "which-keyboard", "aria-label": "Keyboard" });
   const pedal = h("input", { type: "checkbox", id: "keys-pedal" });
-  const sounding = h("div", { class: "row", hidden: true }, h("label", {}, pedal, " sustain pedal"), level);
+  const sounding = h("div", { class: "row", hidden: true }, h("label", {}, pedal, " ", named(h("span"), "keyboard.pedal")), level);
   let worker: Worker | null = null;
   /** The keyboard that the worker has. */
   let opened = "";
@@ -60,6 +62,36 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   /** Who holds which key: pointers and computer keys. */
   const held = new Map<string, number>();
   const struck = new Float64Array(KEYS + 1);
+  /** The passage: what is said of it, its notes, whether it waits for the keyboard, and the hammer speed of each note
+   * that has sounded, m/s; null while it is not played. */
+  const score = h("p", { id: "passage-said", role: "status" }), row = h("ol", { class: "passage", id: "passage-notes" });
+  const again = named(h("button", { type: "button", id: "passage", onclick: () => perform() }), "keyboard.passage");
+  let asked_for = false, sounded: (number | null)[] | null = null;
+  const perform = () => {
+    asked_for = !ready;
+    if (!ready) return;
+    sounded = PASSAGE.keys.map(() => null);
+    score.textContent = "";
+    row.replaceChildren(...PASSAGE.keys.map((one) => h("li", {}, nameOf(one))));
+    choose(PASSAGE.keys[0]!, false);
+    worker!.postMessage({ kind: "passage", notes: passage() });
+  };
+  app.onpassage = perform;
+  /** What a frame brought of the passage: which of its notes have sounded, and, once it is over, which have not. */
+  const listen = (impacts: KeyImpact[], passage_s: number | null) => {
+    if (!sounded || passage_s === null) return;
+    for (const { key, hammer_speed_m_per_s, at_s } of impacts) {
+      const note = at_s === null ? -1 : Math.floor(at_s / PASSAGE.period_s);
+      if (PASSAGE.keys[note] !== key) continue;
+      sounded[note] ??= hammer_speed_m_per_s;
+      row.children[note]!.className = "sounded";
+    }
+    if (passage_s < (PASSAGE.keys.length + 1) * PASSAGE.period_s) return;
+    const lost = sounded.filter((one) => one === null).length;
+    sounded.forEach((one, n) => one === null && row.children[n]!.replaceChildren(h("s", {}, nameOf(PASSAGE.keys[n]!)), h("span", { class: "unseen" }, " lost")));
+    score.textContent = `${PASSAGE.keys.length - lost} of ${PASSAGE.keys.length} notes sounded${lost ? `; ${lost} were lost.` : "."}`;
+    sounded = null;
+  };
 
   /** The keyboard that the state names, if there is one of that name. */
   const wanted = () => (app.keyboards.includes(app.state.keyboard) ? app.state.keyboard : FIRST.keyboard);
@@ -71,6 +103,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
         ready = true;
         told.textContent = "";
         look();
+        if (asked_for) perform();
       } else if (data.kind === "shown") {
         if (data.key !== key) return;
         scene = data.scene;
@@ -95,6 +128,9 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     ready = waiting = false;
     asked = 0;
     finger_m = null;
+    sounded = null;
+    row.replaceChildren();
+    score.textContent = "";
     scene = frame = null;
     rang.fill(0);
     held.clear();
@@ -118,10 +154,13 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
         time_s: 0, key_m: data.key_m[at]!, hammer_rise_m: data.hammer_rise_m[at]!, finger_force_n: data.finger_force_n[at]!, string_n: 0, hammer_rise_m_per_s: 0,
         angles: data.shown.angles, contacts: new Float32Array(5 * scene.zones.length), string: new Float32Array(), swing_m: 0,
       }]);
-      const text = `key ${fixed(1e3 * data.key_m[at]!, 2)} mm, hammer ${fixed(1e3 * data.hammer_rise_m[at]!, 1)} mm, finger ${fixed(data.finger_force_n[at]!, 2)} N`;
+      const key = called("number.key");
+      const text = `${key.text} ${fixed(1e3 * data.key_m[at]!, 2)} mm, ${called("curve.hammer").text} ${fixed(1e3 * data.hammer_rise_m[at]!, 1)} mm, ${called("number.finger").text} ${fixed(data.finger_force_n[at]!, 2)} N`;
       if (numbers.textContent !== text) numbers.textContent = text;
+      speaks(numbers, key.lang);
     }
     const now = performance.now();
+    listen(data.impacts, data.passage_s);
     for (const impact of data.impacts) {
       struck[impact.key] = now;
       list.prepend(h("li", {}, `${nameOf(impact.key)} ${fixed(impact.hammer_speed_m_per_s, 2)} m/s`));
@@ -139,6 +178,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   /** The force after each of the last steps, N, oldest first. */
   const rang = new Float64Array(HEARD);
   let plot: uPlot | null = null, inks = "";
+  onlanguage.push(() => (inks = ""));
   const hear = (forces: Float32Array) => {
     const kept = Math.min(forces.length, HEARD);
     rang.copyWithin(0, kept);
@@ -148,9 +188,10 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     if (!plot || inks !== ink("--curve-hammer")) {
       plot?.destroy();
       inks = ink("--curve-hammer");
+      speaks(heard, called("keyboard.bridge").lang);
       const axis = { stroke: ink("--soft"), grid: { stroke: ink("--grid"), width: 1 }, ticks: { stroke: ink("--grid"), width: 1 } };
       plot = new uPlot({
-        width: Math.max(heard.clientWidth - 4, 160), height: 150, title: "force on the bridge, N", legend: { show: false }, cursor: { show: false },
+        width: Math.max(heard.clientWidth - 4, 160), height: 150, title: called("keyboard.bridge").text, legend: { show: false }, cursor: { show: false },
         scales: { x: { time: false }, y: { range: (_, low, high) => [Math.min(low ?? 0, -1) * 1.05, Math.max(high ?? 0, 1) * 1.05] } },
         axes: [{ ...axis, size: 28, label: "ms", labelSize: 14, labelFont: "11px system-ui, sans-serif", labelGap: -1 }, { ...axis, size: 42 }],
         series: [{ label: "ms" }, { label: "N", stroke: inks, width: 1 }],
@@ -203,7 +244,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     first = Math.min(Math.max(first + by, 0), whites.length - 15);
     draw();
   };
-  const lower = h("button", { type: "button", onclick: () => shift(-7) }, "\u25c0 octave"), higher = h("button", { type: "button", onclick: () => shift(7) }, "octave \u25b6");
+  const lower = named(h("button", { type: "button", onclick: () => shift(-7) }), "keyboard.lower"), higher = named(h("button", { type: "button", onclick: () => shift(7) }), "keyboard.higher");
   const octaves = h("div", { class: "row" }, lower, higher);
   const draw = () => {
     const context = canvas.getContext("2d");
@@ -321,7 +362,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   canvas.addEventListener("keyup", (event) => press(event.key === " " ? "space" : event.code, null, 0));
   canvas.addEventListener("blur", () => [...held.keys()].forEach((who) => press(who, null, 0)));
   open.addEventListener("click", () => void app.change({ a: { base: { key, keyboard: opened }, turns: {} }, tab: "play" }));
-  const ten = h("button", { type: "button", id: "ten" }, "Ten keys at once");
+  const ten = named(h("button", { type: "button", id: "ten" }), "keyboard.ten");
   ten.addEventListener("click", () => {
     const chord = [16, 20, 23, 28, 32, 40, 44, 47, 52, 56];
     chord.forEach((which, n) => press(`ten ${n}`, which, 8));
@@ -330,7 +371,9 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
 
   into.append(
     h("p", {}, "Every key is an action of its own, from heavy bass hammers to light treble ones. Press near the front edge to play loud, further back to play softly. Above is the action of the key that was pressed last: its key can be dragged, too."),
-    h("label", { class: "row" }, "Keyboard ", piano),
+    h("div", { class: "row" }, h("label", {}, named(h("span"), "keyboard.keyboard"), " ", piano), again),
+    row,
+    score,
     inside,
     h("div", { class: "row" }, chosen, numbers, open, ten),
     canvas,
@@ -338,7 +381,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     told,
     sounding,
     heard,
-    h("h2", {}, "Impacts"),
+    named(h("h2"), "keyboard.impacts"),
     list,
     h("p", { class: "soft" }, "With the keyboard in focus, ", h("kbd", {}, "Z"), " \u2026 ", h("kbd", {}, "/"), " play from C3 on, ", h("kbd", {}, "Q"), " \u2026 ", h("kbd", {}, "P"), " from middle C, C4, on; the force is that of the Play panel."),
   );

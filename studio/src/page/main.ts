@@ -5,17 +5,20 @@ import { App } from "./app";
 import { byId, h, say } from "./dom";
 import { comparePanel } from "./compare";
 import { diagnosePanel } from "./diagnose";
+import { exampleStrip } from "./example";
 import { filePanel } from "./file";
 import { keyboardPanel } from "./keyboard";
 import { numbers } from "./numbers";
 import { partCard } from "./part";
 import { PEDAL_MM, playPanel } from "./play";
 import { screwsPanel } from "./screws";
+import { called, languages, missing, named, onlanguage } from "./terms";
 
 const SPEEDS = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
 
 const begin = async (): Promise<void> => {
   const app = new App(await engine());
+  await languages(byId<HTMLSelectElement>("language"));
   const on = (id: string, act: () => void) => byId(id).addEventListener("click", act);
   const pictures = (act: (picture: App["pictures"][number]) => void) => app.pictures.forEach(act);
   on("whole", () => pictures((picture) => picture.lookWhole()));
@@ -27,22 +30,22 @@ const begin = async (): Promise<void> => {
   on("live", () => app.goLive());
   on("replay", () => app.replay());
   on("link", async () => {
-    const link = await app.link();
+    const link = await app.link(), word = byId("link").firstElementChild!;
     history.replaceState(null, "", link);
     try {
       await navigator.clipboard.writeText(link);
       say("The link is copied.");
-      byId("link").textContent = "Copied";
+      named(word, "tool.copied");
     } catch {
-      byId("link").textContent = "In the address";
+      named(word, "tool.in-address");
     }
-    setTimeout(() => (byId("link").textContent = "Copy link"), 2000);
+    setTimeout(() => named(word, "tool.link"), 2000);
   });
   const boxes = [["arrows", "forces"], ["naming", "names"]] as const;
   for (const [id, what] of boxes) byId(id).addEventListener("change", ({ target }) => void app.change({ [what]: (target as HTMLInputElement).checked }));
   byId<HTMLInputElement>("beside").addEventListener("change", ({ target }) => void app.change({ beside: (target as HTMLInputElement).checked }));
   const speed = byId<HTMLSelectElement>("speed");
-  for (const slower of SPEEDS) speed.add(new Option(slower === 1 ? "real time" : `1/${slower}`, String(1 / slower)));
+  for (const slower of SPEEDS) speed.add(slower === 1 ? named(new Option("", "1"), "tool.real-time") : new Option(`1/${slower}`, String(1 / slower)));
   speed.addEventListener("change", () => app.setSpeed(Number(speed.value)));
   const slow = byId<HTMLInputElement>("slow");
   slow.addEventListener("change", () => void app.change({ slow: slow.checked }));
@@ -54,22 +57,26 @@ const begin = async (): Promise<void> => {
 
   // Panels, one at a time.
   const panels = [
-    { id: "play", title: "Play", make: playPanel },
-    { id: "screws", title: "Screws", make: screwsPanel },
-    { id: "file", title: "File", make: filePanel },
-    { id: "compare", title: "Compare", make: comparePanel },
-    { id: "keyboard", title: "Keyboard", make: keyboardPanel },
-    { id: "diagnose", title: "Diagnose", make: diagnosePanel },
-  ];
+    { id: "play", make: playPanel },
+    { id: "screws", make: screwsPanel },
+    { id: "file", make: filePanel },
+    { id: "compare", make: comparePanel },
+    { id: "keyboard", make: keyboardPanel },
+    { id: "diagnose", make: diagnosePanel },
+  ] as const;
   const tabs = document.querySelector(".tabs")!;
-  const made = panels.map(({ id, title, make }) => {
-    const tab = h("button", { type: "button", role: "tab", id: `tab-${id}`, "aria-controls": `panel-${id}`, "data-title": title, onclick: () => void app.change({ tab: id }) }, title);
+  const made = panels.map(({ id, make }) => {
+    const tab = named(h("button", { type: "button", role: "tab", id: `tab-${id}`, "aria-controls": `panel-${id}`, onclick: () => void app.change({ tab: id }) }), `tab.${id}`);
     tabs.append(tab);
     const panel = h("div", { role: "tabpanel", id: `panel-${id}`, "aria-labelledby": `tab-${id}`, tabindex: 0 });
     byId("panels").append(panel);
     make(app, panel);
     return { id, tab, panel };
   });
+  // A tab is as wide as when it is chosen.
+  const widths = () => made.forEach(({ id, tab }) => (tab.dataset.title = called(`tab.${id}`).text));
+  onlanguage.push(widths);
+  widths();
   const show = () => {
     if (!made.some(({ id }) => id === app.state.tab)) app.state.tab = "play";
     for (const { id, tab, panel } of made) {
@@ -103,9 +110,10 @@ const begin = async (): Promise<void> => {
   app.onchange.unshift(show);
   numbers(app, byId("numbers"));
   partCard(app);
+  exampleStrip(app);
 
   // Keys. The space bar is a finger, unless the focus is on something that takes it itself.
-  const takes = (target: EventTarget | null) => target instanceof Element && target.matches("input:not([type=range]), textarea, select, button, [role=tab], summary, .keys");
+  const takes = (target: EventTarget | null) => target instanceof Element && target.matches("input:not([type=range]), textarea, select, button, a[href], [role=tab], summary, .keys");
   // A control that was clicked has done its work: it does not keep the space bar from the key.
   let pointer = false;
   for (const event of ["pointerdown", "keydown"] as const) addEventListener(event, () => (pointer = event === "pointerdown"), { capture: true });
@@ -146,7 +154,7 @@ const begin = async (): Promise<void> => {
   });
   addEventListener("blur", () => app.push(0));
   // For tests.
-  Object.assign(window, { studio: app });
+  Object.assign(window, { studio: app, terms: { missing } });
   await app.start();
   show();
   document.documentElement.dataset.ready = "true";

@@ -2,9 +2,10 @@
 import type { App } from "./app";
 import { byId, fixed, h, say } from "./dom";
 import type { Events, Pose } from "../engine/protocol";
+import { type Label, named } from "./terms";
 
 interface Line {
-  name: string;
+  name: Label;
   title: string;
   unit: string;
   of(events: Events, pose: Pose, hammer_speed_m_per_s: number | undefined): string;
@@ -12,14 +13,14 @@ interface Line {
 
 const ms = (value: number): string => (Number.isFinite(value) ? fixed(1e3 * value, 1) : "\u2013");
 const LINES: Line[] = [
-  { name: "hammer speed", title: "of the strike point at the first impact of the last press", unit: "m/s", of: (_, __, speed) => fixed(speed, 2) },
-  { name: "impacts", title: "of the hammer on the string since the press began", unit: "", of: (e) => String(e.impact_count) },
-  { name: "last push", title: "on the knuckle, from the key's start", unit: "ms", of: (e) => ms(e.let_off_s - e.key_start_s) },
-  { name: "free flight", title: "from the last push to the string", unit: "ms", of: (e) => ms(e.free_flight_s) },
-  { name: "key bottom \u2212 hammer", title: "positive: the hammer strikes before the key is down", unit: "ms", of: (e) => ms(e.key_bottom_after_impact_s) },
-  { name: "check", title: "the back check catches the hammer, from the impact", unit: "ms", of: (e) => ms(e.check_s - e.hammer_contact_s) },
-  { name: "key", title: "travel of the key's front now", unit: "mm", of: (_, pose) => fixed(1e3 * pose.key_m, 2) },
-  { name: "finger", title: "its force now", unit: "N", of: (_, pose) => fixed(pose.finger_force_n, 2) },
+  { name: "number.hammer-speed", title: "of the strike point at the first impact of the last press", unit: "m/s", of: (_, __, speed) => fixed(speed, 2) },
+  { name: "number.impacts", title: "of the hammer on the string since the press began", unit: "", of: (e) => String(e.impact_count) },
+  { name: "number.last-push", title: "on the knuckle, from the key's start", unit: "ms", of: (e) => ms(e.let_off_s - e.key_start_s) },
+  { name: "number.free-flight", title: "from the last push to the string", unit: "ms", of: (e) => ms(e.free_flight_s) },
+  { name: "number.key-bottom", title: "positive: the hammer strikes before the key is down", unit: "ms", of: (e) => ms(e.key_bottom_after_impact_s) },
+  { name: "number.check", title: "the back check catches the hammer, from the impact", unit: "ms", of: (e) => ms(e.check_s - e.hammer_contact_s) },
+  { name: "number.key", title: "travel of the key's front now", unit: "mm", of: (_, pose) => fixed(1e3 * pose.key_m, 2) },
+  { name: "number.finger", title: "its force now", unit: "N", of: (_, pose) => fixed(pose.finger_force_n, 2) },
 ];
 
 const SOFT = "Too soft to sound: the hammer was let off and fell back before it reached the string. Press faster.";
@@ -27,7 +28,7 @@ const SOFT = "Too soft to sound: the hammer was let off and fell back before it 
 export const numbers = (app: App, into: HTMLElement): void => {
   const cells = LINES.map((line) => {
     const value = h("dd");
-    into.append(h("div", { title: line.title }, h("dt", {}, line.name), value));
+    into.append(h("div", { title: line.title }, named(h("dt"), line.name), value));
     return value;
   });
   // A press that went all the way and did not sound is no fault of the page, which says so.

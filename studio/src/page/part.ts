@@ -4,6 +4,7 @@ import type { App } from "./app";
 import { byId, fixed, h, say } from "./dom";
 import { mainPart, PARTS, type PartText } from "./parts";
 import { Dials } from "./screws";
+import { type Called, called, type Label, named, onlanguage, speaks } from "./terms";
 
 export interface Chosen {
   action: number;
@@ -22,21 +23,24 @@ const zonesOf = (scene: Scene, part: string, body: number | null): number[] => {
 };
 
 /** Its numbers, a name and a value each. */
-const numbersOf = (scene: Scene, pose: Pose | undefined, part: string, body: number | null): [string, string][] => {
-  const all: [string, string][] = [];
+const numbersOf = (scene: Scene, pose: Pose | undefined, part: string, body: number | null): [Called, string][] => {
+  const all: [Called, string][] = [], add = (what: Label, value: string) => all.push([called(what), value]);
   const carried = body === null || part === "finger" ? undefined : scene.bodies[body];
   if (carried) {
-    all.push([`weight of the ${carried.name.replaceAll("_", " ")}`, `${fixed(carried.mass_g, 1)} g`]);
-    if (pose) all.push(["turned from its rest", `${fixed(((pose.angles[body!]! - carried.angle) * 180) / Math.PI, 2)}\u00b0`]);
+    const weight = called("part.numbers.weight");
+    all.push([weight.lang ? weight : { ...weight, text: `weight of the ${carried.name.replaceAll("_", " ")}` }, `${fixed(carried.mass_g, 1)} g`]);
+    if (pose) add("part.numbers.turned", `${fixed(((pose.angles[body!]! - carried.angle) * 180) / Math.PI, 2)}\u00b0`);
   }
-  if (part === "finger" && pose) all.push(["force on the key", `${fixed(pose.finger_force_n, 2)} N`]);
-  if (part === "key" && pose) all.push(["travel of its front", `${fixed(1e3 * pose.key_m, 2)} mm`]);
+  if (part === "finger" && pose) add("part.numbers.force", `${fixed(pose.finger_force_n, 2)} N`);
+  if (part === "key" && pose) add("part.numbers.travel", `${fixed(1e3 * pose.key_m, 2)} mm`);
   if (part.startsWith("hammer") && body !== null && pose) {
-    all.push(["rise of its head", `${fixed(1e3 * pose.hammer_rise_m, 2)} mm`], ["speed of its head", `${fixed(pose.hammer_rise_m_per_s, 2)} m/s`]);
+    add("part.numbers.rise", `${fixed(1e3 * pose.hammer_rise_m, 2)} mm`);
+    add("part.numbers.speed", `${fixed(pose.hammer_rise_m_per_s, 2)} m/s`);
   }
   for (const zone of zonesOf(scene, part, body)) {
     const force = pose?.contacts[5 * zone] ?? 0;
-    all.push([scene.zones[zone]!.label.replace(" - ", " \u2013 "), force > 0 ? `${fixed(force, 2)} N` : "free"]);
+    const { name, label } = scene.zones[zone]!;
+    all.push([called(`zone.${name}`, label.replace(" - ", " \u2013 ")), force > 0 ? `${fixed(force, 2)} N` : called("part.numbers.free").text]);
   }
   return all;
 };
@@ -59,16 +63,18 @@ export const partCard = (app: App): void => {
     pointed.hidden = !hovered || hovered.part === chosen?.part;
     if (hovered && !pointed.hidden) {
       const turns = app.movable(hovered.part, hovered.action);
-      const told = toldOf(hovered).filter(([, value]) => value !== "free").slice(0, 4).map(([what, value]) => `${what} ${value}`);
-      const text = [hovered.part, ...told, ...(turns ? [`drag: ${turns.label}`] : [])].join(" \u00b7 ");
+      const part = called(`part.${hovered.part}`, hovered.part), free = called("part.numbers.free").text;
+      const told = toldOf(hovered).filter(([, value]) => value !== free).slice(0, 4).map(([{ text }, value]) => `${text} ${value}`);
+      const text = [part.text, ...told, ...(turns ? [`${called("part.numbers.drag").text}: ${called(`screw.${turns.dial.name}`, turns.label).text}`] : [])].join(" \u00b7 ");
       if (pointed.textContent !== text) pointed.textContent = text;
+      speaks(pointed, part.lang);
     }
     card.hidden = !chosen;
     if (!chosen) return;
-    const told = toldOf(chosen), key = told.map(([what]) => what).join("|");
+    const told = toldOf(chosen), key = told.map(([{ text }]) => text).join("|");
     if (key !== made) {
       made = key;
-      numbers.replaceChildren(...told.flatMap(([what]) => [h("dt", {}, what), h("dd")]));
+      numbers.replaceChildren(...told.flatMap(([{ text, lang }]) => [h("dt", { lang }, text), h("dd", { lang })]));
     }
     told.forEach(([, value], k) => {
       const cell = numbers.children[2 * k + 1]!;
@@ -87,7 +93,7 @@ export const partCard = (app: App): void => {
       return;
     }
     const text = textOf(next.part), turns = app.movable(next.part, next.action);
-    name.textContent = app.scenes.length > 1 ? `${next.part}, ${next.action ? "B" : "A"}` : next.part;
+    name.replaceChildren(named(h("span"), `part.${next.part}`, next.part), app.scenes.length > 1 ? (next.action ? ", B" : ", A") : "");
     does.textContent = text.does;
     drag.textContent = turns ? `Drag it in the picture: ${turns.label}.` : "";
     dials ??= [0, 1].map((which) => new Dials(app, which, sliders, { of: () => textOf(chosen?.part ?? "").dials ?? [] })) as [Dials, Dials];
@@ -106,9 +112,10 @@ export const partCard = (app: App): void => {
     if (event.key === "Escape") choose(null);
   });
   app.onframe.push(show);
+  onlanguage.push(show);
   app.onchange.push(() => {
     const parts = [...new Set((app.scenes[0]?.labels ?? []).map(({ text }) => mainPart(text)))].sort();
-    if (list.options.length !== parts.length + 1) list.replaceChildren(new Option("none", ""), ...parts.map((part) => new Option(part, part)));
+    if (list.options.length !== parts.length + 1) list.replaceChildren(named(new Option("", ""), "tool.no-part"), ...parts.map((part) => named(new Option("", part), `part.${part}`, part)));
     if (chosen && (chosen.action >= app.scenes.length || (!parts.includes(chosen.part) && bodyOf(chosen) === null))) return choose(null);
     list.value = chosen?.part ?? "";
     mark();

@@ -5,6 +5,7 @@ import {
 import type { Dent, Frame, Moving, Name, Outline } from "../../../crates/erard-figures/src/page/moving.js";
 import type { Pose, Scene } from "../engine/protocol";
 import { mainPart } from "./parts";
+import { called, speaks } from "./terms";
 
 interface Shown {
   scene: Scene;
@@ -143,10 +144,12 @@ export class Picture {
     });
     const first = this.shown[0];
     const pieces = first ? [...first.group.querySelectorAll(".parts > path")] : [];
-    this.labels = (first?.scene.labels ?? []).map(({ text, piece, at }) => {
+    this.labels = (first?.scene.labels ?? []).map(({ text: part, piece, at }) => {
+      const { text, lang } = called(`part.${mainPart(part)}`, part);
       const leader = element("path", { class: "leader" }, this.names), end = element("circle", { class: "leader-end" }, this.names);
       const label = element("text", { class: "label", "text-anchor": "middle" }, this.names);
       label.textContent = text;
+      speaks(label, lang);
       const moving = first!.moving.find((one) => one.element === pieces[piece]);
       return { text, at, moving, leader, end, label, anchor: [0, 0], wide: 0, row: 0, x: 0, y: 0, from: 0, placed: false };
     });

@@ -3,14 +3,15 @@
 import type { App } from "./app";
 import { fixed, h, save, say } from "./dom";
 import { MAX_PEDAL_MM } from "./state";
+import { called, type Label, named, spoken } from "./terms";
 
 /** A pedal that is down, mm of its rail: dampers are clear of the strings. */
 export const PEDAL_MM = 7;
 
 /** A slider over decades: its place is the logarithm. */
-const decades = (label: string, unit: string, from: number, to: number, decimals: number, value: () => number, set: (value: number) => void) => {
+const decades = (label: Label, unit: string, from: number, to: number, decimals: number, value: () => number, set: (value: number) => void) => {
   const output = h("output");
-  const input = h("input", { type: "range", min: Math.log10(from), max: Math.log10(to), step: 0.01, "aria-label": label });
+  const input = spoken(h("input", { type: "range", min: Math.log10(from), max: Math.log10(to), step: 0.01 }), label, called(label).text);
   const show = () => {
     input.value = String(Math.log10(value()));
     output.textContent = `${fixed(value(), decimals)} ${unit}`;
@@ -21,18 +22,19 @@ const decades = (label: string, unit: string, from: number, to: number, decimals
     show();
   });
   show();
-  return { row: h("label", { class: "slider" }, h("span", {}, label), output, input), show };
+  return { row: h("label", { class: "slider" }, named(h("span"), label), output, input), show };
 };
 
 export const playPanel = (app: App, into: HTMLElement): void => {
-  const firm = decades("firmness of the fingertip", "N/mm", 0.1, 20, 2, () => app.state.firmness, (firmness) => void app.change({ firmness }, "firmness"));
-  const force = decades("force of a pressed key", "N", 0.5, 30, 1, () => app.state.force, (value) => void app.change({ force: value }));
+  const firm = decades("play.firmness", "N/mm", 0.1, 20, 2, () => app.state.firmness, (firmness) => void app.change({ firmness }, "firmness"));
+  const force = decades("play.force", "N", 0.5, 30, 1, () => app.state.force, (value) => void app.change({ force: value }));
   const imposed = h("input", { type: "checkbox", id: "imposed" });
   imposed.addEventListener("change", () => void app.change({ imposed: imposed.checked }));
-  const pedalled = h("output"), pedal = h("input", { type: "range", min: 0, max: MAX_PEDAL_MM, step: 0.05, id: "pedal", "aria-label": "sustain pedal, lift of its rail" });
+  const pedalled = h("output"), pedal = h("input", { type: "range", min: 0, max: MAX_PEDAL_MM, step: 0.05, id: "pedal" });
+  spoken(pedal, "play.pedal", called("play.pedal").text);
   pedal.addEventListener("input", () => void app.change({ pedal: Number(pedal.value) }));
-  const pedalRow = h("div", { hidden: true }, h("label", { class: "slider" }, h("span", {}, "sustain pedal, lift of its rail"), pedalled, pedal), h("p", { class: "soft" }, "Dampers lie on the strings at 0, half at 2 mm, and are clear of them at 7. ", h("kbd", {}, "P"), " puts it down and lifts it."));
-  const press = h("button", { type: "button", class: "press", id: "press" }, "Press");
+  const pedalRow = h("div", { hidden: true }, h("label", { class: "slider" }, named(h("span"), "play.pedal"), pedalled, pedal), h("p", { class: "soft" }, "Dampers lie on the strings at 0, half at 2 mm, and are clear of them at 7. ", h("kbd", {}, "P"), " puts it down and lifts it."));
+  const press = named(h("button", { type: "button", class: "press", id: "press" }), "play.press");
   const down = (event: PointerEvent) => {
     press.setPointerCapture(event.pointerId);
     app.push(app.state.force);
@@ -48,14 +50,14 @@ export const playPanel = (app: App, into: HTMLElement): void => {
 
   const strokes = h("div", { class: "strokes", role: "group", "aria-label": "Built-in strokes" });
   for (const struck of [false, true]) {
-    const row = h("div", {}, h("span", {}, struck ? "struck" : "pressed"));
+    const row = h("div", {}, named(h("span"), struck ? "play.struck" : "play.pressed"));
     for (const nuance of ["pp", "p", "mf", "f", "ff"]) {
       row.append(h("button", { type: "button", "aria-label": `${nuance}, ${struck ? "struck" : "pressed"}`, onclick: () => app.stroke({ nuance, struck }) }, nuance));
     }
     strokes.append(row);
   }
 
-  const saved = h("button", { type: "button", id: "save-run", disabled: true }, "Save its run.csv");
+  const saved = named(h("button", { type: "button", id: "save-run", disabled: true }), "play.save");
   saved.addEventListener("click", async () => {
     const stroke = app.lastStroke, text = app.loaded[0]?.text;
     if (!stroke || text === undefined) return;
@@ -71,7 +73,7 @@ export const playPanel = (app: App, into: HTMLElement): void => {
   const recorded = h("p", { class: "soft", id: "recorded" });
   const done = h("ul", { class: "soft", id: "made-ready" });
   let kept: { csv: string; name: string; rows?: boolean } | null = null;
-  const again = h("button", { type: "button", hidden: true, onclick: () => kept && app.stroke(kept) }, "Play it again");
+  const again = named(h("button", { type: "button", hidden: true, onclick: () => kept && app.stroke(kept) }), "play.again");
   const read = async (file: File) => {
     const head = new Uint8Array(await file.slice(0, 4).arrayBuffer());
     if (new TextDecoder("latin1").decode(head) !== "PAR1") return { csv: await file.text(), name: file.name };
@@ -114,19 +116,19 @@ export const playPanel = (app: App, into: HTMLElement): void => {
     press,
     firm.row,
     h("p", { class: "soft" }, "Soft: the pointer goes far for little force. Firm: the key follows it."),
-    h("label", { class: "row" }, imposed, h("span", {}, "no fingertip: the key front itself follows the pointer")),
+    h("label", { class: "row" }, imposed, named(h("span"), "play.imposed")),
     force.row,
     pedalRow,
-    h("h2", {}, "Strokes"),
+    named(h("h2"), "play.strokes"),
     h("p", { class: "soft" }, "Each is played from rest, by the hand and the fingertip of ", h("kbd", {}, "erard press"), ", and gives the numbers of that command."),
     strokes,
     h("div", { class: "row" }, saved),
-    h("h2", {}, "A recording"),
+    named(h("h2"), "play.recording"),
     h("p", { class: "soft" }, "A CSV or Parquet file with a column for the time and one for force or position (a run.csv is one), dropped onto the page or opened here. It is prepared as by the command: its zero is the rest before the touch."),
-    h("div", { class: "row" }, h("button", { type: "button", onclick: () => choose.click() }, "Open a recording"), again, choose),
+    h("div", { class: "row" }, named(h("button", { type: "button", onclick: () => choose.click() }), "play.open"), again, choose),
     recorded,
     done,
-    h("h2", {}, "Looking back"),
+    named(h("h2"), "play.back"),
     h("p", { class: "soft" }, "The last second is always kept, every step of it. ", h("kbd", {}, "R"), " replays it, ", h("kbd", {}, "L"), " goes back to now; drag the slider or the curves to look at an instant. Speeds go down to 1/1000."),
   );
   app.onchange.push(() => {

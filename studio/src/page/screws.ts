@@ -5,8 +5,9 @@ import type { App } from "./app";
 import { Dropped } from "./bench";
 import { fixed, h, later, say } from "./dom";
 import { Sheet } from "./sheet";
+import { type Label, named, spoken } from "./terms";
 
-const GROUPS: Record<string, string> = { screws: "Screws, from where they are", places: "Where parts stand", weights: "Weights", felts: "Felts, springs, what bends", friction: "Friction" };
+const GROUPS: Record<string, Label> = { screws: "screws.screws", places: "screws.places", weights: "screws.weights", felts: "screws.felts", friction: "screws.friction" };
 
 /** Sliders of an action's dials. */
 export class Dials {
@@ -35,7 +36,7 @@ export class Dials {
       const value = turns[name] ?? dial.value;
       if (document.activeElement !== number && !number.hasAttribute("aria-invalid")) number.value = text(dial, value);
       if (document.activeElement !== input || Math.abs(Number(input.value) - value) > 1e-9) input.value = String(value);
-      input.setAttribute("aria-valuetext", `${fixed(shown(dial, value), dial.decimals)} ${spoken(dial.unit)}`);
+      input.setAttribute("aria-valuetext", `${fixed(shown(dial, value), dial.decimals)} ${said(dial.unit)}`);
       back.classList.toggle("idle", !(name in turns));
       back.disabled = !(name in turns);
     }
@@ -52,7 +53,7 @@ export class Dials {
     for (const [group, heading] of Object.entries(GROUPS)) {
       const own = dials.filter((dial) => dial.group === group);
       if (!own.length) continue;
-      const section = h("details", { open: group !== "friction" && group !== "felts" }, h("summary", {}, heading));
+      const section = h("details", { open: group !== "friction" && group !== "felts" }, named(h("summary"), heading));
       for (const dial of own) section.append(this.row(dial));
       this.into.append(section);
     }
@@ -60,11 +61,12 @@ export class Dials {
 
   private row(dial: Dial): HTMLElement {
     const step = 10 ** -dial.decimals;
-    const input = h("input", { type: "range", min: dial.from, max: dial.to, step: step / 10, "aria-label": dial.label, [this.some ? "data-turn" : "data-dial"]: dial.name });
+    const term = `screw.${dial.name}`, input = spoken(h("input", { type: "range", min: dial.from, max: dial.to, step: step / 10, [this.some ? "data-turn" : "data-dial"]: dial.name }), term, dial.label);
     const id = `typed-${++fields}`;
-    const number = h("input", { type: "text", autocomplete: "off", spellcheck: "false", "aria-label": `${dial.label}, ${spoken(dial.unit)}`, "aria-describedby": id, class: "exact", title: HINT });
+    const number = h("input", { type: "text", autocomplete: "off", spellcheck: "false", "aria-describedby": id, class: "exact", title: HINT });
+    spoken(number, term, dial.label, ({ text, lang }) => `${text}, ${lang && dial.unit === "x" ? "\u00d7" : said(dial.unit)}`);
     const wrong = h("p", { class: "bad", id, hidden: true });
-    const back = h("button", { type: "button", class: "back", title: `Back to ${fixed(shown(dial, dial.value), dial.decimals)} ${spoken(dial.unit)}, as the file has it`, "aria-label": `${dial.label}: back to the file's` }, "\u21ba");
+    const back = h("button", { type: "button", class: "back", title: `Back to ${fixed(shown(dial, dial.value), dial.decimals)} ${said(dial.unit)}, as the file has it`, "aria-label": `${dial.label}: back to the file's` }, "\u21ba");
     const turn = (value: number) => this.app.turn(this.which, dial.name, Math.abs(value - dial.value) < 1e-9 ? null : value);
     const point = (message: string | null) => {
       wrong.textContent = message ?? "";
@@ -99,7 +101,7 @@ export class Dials {
       void this.app.turn(this.which, dial.name, null);
     });
     this.rows.set(dial.name, { input, number, back, dial });
-    return h("div", { class: "dial", title: dial.note }, h("span", { class: "name" }, dial.label), input, h("span", { class: "value" }, number, h("span", { class: "unit" }, dial.unit === "x" ? "\u00d7" : dial.unit)), back, wrong);
+    return h("div", { class: "dial", title: dial.note }, named(h("span", { class: "name" }), term, dial.label), input, h("span", { class: "value" }, number, h("span", { class: "unit" }, dial.unit === "x" ? "\u00d7" : dial.unit)), back, wrong);
   }
 }
 
@@ -120,7 +122,7 @@ const text = (dial: Dial, value: number): string => {
   return dial.group !== "screws" || (digits.startsWith("-") && Number(digits) !== 0) ? digits : `+${digits.replace("-", "")}`;
 };
 
-const spoken = (unit: string): string => (unit === "x" ? "times the file's" : unit);
+const said = (unit: string): string => (unit === "x" ? "times the file's" : unit);
 
 export const screwsPanel = (app: App, into: HTMLElement): void => {
   const sliders = h("div", { class: "dials" });
@@ -128,8 +130,9 @@ export const screwsPanel = (app: App, into: HTMLElement): void => {
   const sheet = new Sheet(app, 0);
   const why = h("div", { class: "notice", id: "why", role: "status", hidden: true });
   const log = h("div", { class: "log", id: "log", role: "status" });
-  const reset = h("button", { type: "button", id: "reset", onclick: () => void app.change({ a: { ...app.state.a, turns: {} } }) }, "Reset");
-  const regulate = h("button", { type: "button", id: "regulate" }, "Regulate");
+  const reset = h("button", { type: "button", id: "reset", onclick: () => void app.change({ a: { ...app.state.a, turns: {} } }) });
+  named(reset, "screws.reset");
+  const regulate = named(h("button", { type: "button", id: "regulate" }), "screws.regulate");
   regulate.addEventListener("click", async () => {
     const before = app.loaded[0];
     if (!before) return;
@@ -194,9 +197,9 @@ export const screwsPanel = (app: App, into: HTMLElement): void => {
 const byName = (app: App): HTMLElement => {
   const field = (id: string, label: string, example: string) =>
     h("input", { id, type: "text", "aria-label": label, placeholder: example, autocomplete: "off", autocapitalize: "off", spellcheck: "false", "aria-describedby": "changed-wrong" });
-  const called = field("changed-name", "name of a number", "body.hammer.mass"), change = field("changed-by", "its change", "+0.8 g");
+  const path = field("changed-name", "name of a number", "body.hammer.mass"), change = field("changed-by", "its change", "+0.8 g");
   const wrong = h("p", { class: "bad", id: "changed-wrong", hidden: true });
-  const form = h("form", { id: "changed", novalidate: true }, h("div", { class: "row" }, called, change, h("button", { type: "submit" }, "Change")), wrong,
+  const form = h("form", { id: "changed", novalidate: true }, h("div", { class: "row" }, path, change, named(h("button", { type: "submit" }), "screws.change")), wrong,
     h("p", { class: "soft" }, "Typed as above. Without a unit: mm, g, degrees or N mm, else SI; the unit at the end of a path (body.hammer.mass_g)."));
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
@@ -205,7 +208,7 @@ const byName = (app: App): HTMLElement => {
     form.classList.add("waiting");
     let message = "";
     try {
-      const text = await app.bench.ask<string>({ kind: "vary", text: before.text, called: called.value, change: change.value });
+      const text = await app.bench.ask<string>({ kind: "vary", text: before.text, called: path.value, change: change.value });
       if (app.loaded[0] !== before) message = "The action was changed meanwhile: nothing is changed.";
       else if (!(await app.setBase(0, { text }))) message = app.refused?.message ?? "";
     } catch (error) {
@@ -213,11 +216,11 @@ const byName = (app: App): HTMLElement => {
     }
     wrong.textContent = message;
     wrong.hidden = !message;
-    for (const input of [called, change]) message ? input.setAttribute("aria-invalid", "true") : input.removeAttribute("aria-invalid");
+    for (const input of [path, change]) message ? input.setAttribute("aria-invalid", "true") : input.removeAttribute("aria-invalid");
     if (message) say(message);
     form.classList.remove("waiting");
   });
-  return h("details", { id: "any" }, h("summary", {}, "Any number, by its name"), form);
+  return h("details", { id: "any" }, named(h("summary"), "screws.any"), form);
 };
 
 /** The log of a regulation. */

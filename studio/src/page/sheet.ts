@@ -4,6 +4,7 @@ import type { SheetGroup } from "../engine/protocol";
 import type { App } from "./app";
 import { Dropped } from "./bench";
 import { fixed, h, later } from "./dom";
+import { named } from "./terms";
 
 /** Lines that are measured together, the cheap ones first: each costs what the others of its group have paid
  * already. */
@@ -35,9 +36,9 @@ export class Sheet {
   /** Whether it is looked at: what nobody sees is not measured. */
   private seen = false;
 
-  constructor(private readonly app: App, private readonly which: number, private readonly group = `sheet-${which}`) {
-    this.table = h("table", { class: "sheet" }, h("caption", {}, "Protocol sheet"));
-    this.table.append(h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "measure"), h("th", { scope: "col" }, "now"), h("th", { scope: "col" }, "usual"))));
+  constructor(private readonly app: App, private readonly which: number, private readonly group = `sheet-${which}`, caption: string | null = null) {
+    this.table = h("table", { class: "sheet" }, caption === null ? named(h("caption"), "sheet.caption") : h("caption", {}, caption));
+    this.table.append(h("thead", {}, h("tr", {}, ...(["sheet.measure", "sheet.now", "sheet.usual"] as const).map((key) => named(h("th", { scope: "col" }), key)))));
     void this.build();
   }
 
@@ -54,11 +55,11 @@ export class Sheet {
       if (!line) continue;
       const [low, high] = line.usual;
       const number = (value: number) => fixed(value, line.decimals);
-      const usual = low !== null && high !== null ? `${number(low)}\u2013${number(high)}` : low !== null ? `from ${number(low)}` : high !== null ? `to ${number(high)}` : "";
+      const usual = low !== null && high !== null ? `${number(low)}\u2013${number(high)}` : low !== null ? `\u2265 ${number(low)}` : high !== null ? `\u2264 ${number(high)}` : "";
       const mark = h("span", { class: "mark" });
       const norm = h("span", { class: "norm", "aria-hidden": "true", hidden: low === null || high === null }, h("span", { class: "range" }), mark);
       const now = h("td");
-      const row = h("tr", { title: line.source ?? "" }, h("th", { scope: "row" }, line.label), now, h("td", {}, h("span", {}, usual), norm));
+      const row = h("tr", { title: line.source ?? "", "data-line": key }, named(h("th", { scope: "row" }), `quantity.${key}`, line.label), now, h("td", {}, h("span", {}, usual), norm));
       body.append(row);
       this.rows.set(key, { row, now, norm, mark });
     }
@@ -123,7 +124,7 @@ export class Sheet {
       const [low, high] = line.usual;
       const out = known && ((value === null && (low !== null || high !== null)) || (value !== null && value !== undefined && ((low !== null && value < low - 1e-9) || (high !== null && value > high + 1e-9))));
       now.classList.toggle("out", out);
-      if (out) now.append(h("span", { class: "flag" }, value === null ? " none" : value! < (low ?? -Infinity) ? " low" : " high"));
+      if (out) now.append(" ", named(h("span", { class: "flag" }), value === null ? "sheet.none" : value! < (low ?? -Infinity) ? "sheet.low" : "sheet.high"));
       if (low !== null && high !== null && value !== null && value !== undefined) {
         const share = Math.min(Math.max((value - low) / (high - low), -0.5), 1.5);
         mark.style.insetInlineStart = `${25 + 50 * share}%`;

@@ -1,5 +1,7 @@
 // What the page shows, as one value: kept in the address, undone and redone.
 
+import { exampleOf } from "./examples";
+
 /** Where an action's file comes from. */
 export type Base = { builtin: string } | { key: number; keyboard: string } | { text: string };
 /** A file, and the dials that were turned from where it has them. */
@@ -9,6 +11,8 @@ export interface Setting {
 }
 
 export interface State {
+  /** The example that is shown, by its id; none: empty. */
+  example: string;
   a: Setting;
   b: Setting | null;
   beside: boolean;
@@ -38,7 +42,7 @@ export interface State {
 }
 
 export const FIRST: State = {
-  a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, tab: "play", firmness: 0.8, imposed: false, force: 5, pedal: 0,
+  example: "", a: { base: { builtin: "concert-grand" }, turns: {} }, b: null, beside: false, tab: "play", firmness: 0.8, imposed: false, force: 5, pedal: 0,
   speed: 1 / 50, slow: false, forces: true, names: false, difference: false, view: null, keyboard: "concert-grand", readings: {},
 };
 
@@ -98,6 +102,7 @@ const read = async (text: string): Promise<Setting> => {
 /** The part of the address behind the #: what differs from the first state. */
 export const toHash = async (state: State): Promise<string> => {
   const hash = new URLSearchParams();
+  if (state.example) hash.set("example", state.example);
   if (!same(state.a, FIRST.a)) hash.set("a", await written(state.a));
   if (state.b) hash.set("b", await written(state.b));
   if (state.beside) hash.set("beside", "1");
@@ -125,6 +130,7 @@ export const fromHash = async (text: string): Promise<{ state: State; fault: str
     const value = Number(hash.get(key) ?? NaN);
     return value >= from && value <= to ? value : otherwise;
   };
+  state.example = exampleOf(hash.get("example") ?? "")?.id ?? "";
   let fault: string | null = null;
   try {
     if (hash.has("a")) state.a = await read(hash.get("a")!);
