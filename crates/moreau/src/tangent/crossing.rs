@@ -70,8 +70,9 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         found
     }
 
-    /// Two steps beyond a switch, and how long each is, s: as long as those before it, or so much shorter that no other
-    /// law switches in them.
+    /// Two steps beyond a switch, and how long each is, s: as long as the step across, or so much shorter that no other
+    /// law switches in them. A contact that sticks has turned since the middle of the step across: to be held in a much
+    /// shorter one, it would need a force as many times as large.
     pub(super) fn beyond(
         &mut self,
         settings: &Settings<f64>,
@@ -81,7 +82,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
         law: SwitchingLaw,
         input: &mut Driven<'_, D>,
     ) -> (State<f64, B, Z>, State<f64, B, Z>, f64) {
-        let (site, mut ahead) = (self.site(), small);
+        let (site, mut ahead) = (self.site(), length.max(small));
         loop {
             let mut clear = true;
             let mut on = |start: &State<f64, B, Z>, last: f64, now: f64| {

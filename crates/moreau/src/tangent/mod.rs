@@ -319,6 +319,7 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
             switched(unresolved(done + at, switches));
             return (at, all.and(TangentReport { unresolved: 1, ..TangentReport::default() }));
         };
+        let came = law.side(&self.plain, &plain(&self.state));
         let (first, second, ahead) = self.beyond(settings, done + at, &after, [length, small], law, input);
         let slip = slips[1].slip(law);
         self.move_on(length);
@@ -335,16 +336,18 @@ impl<const B: usize, const Z: usize, const N: usize, const D: usize> Tangent<B, 
                 v.slope[d] += jump * slip.slope[d];
             }
         }
-        // A step across a reversal may end at rest, and only the next one slips again. That is no stick: a dual step
-        // from there would ask for du = 0.
+        // A step across a reversal may end at rest, and only the next one slips back. That is no stick: a dual step
+        // from there would ask for du = 0. What slips on as it came does stick: the contact has turned since, and the
+        // bound was too small to make up for that in a shorter step.
         let [rests, goes] = [&after, &second].map(|state| law.side(&self.plain, state));
-        let kind = if rests == 0.0 && goes == 0.0 { SwitchKind::Sticks } else { SwitchKind::Reverses };
+        let turns = [rests, goes].contains(&-came);
+        let kind = if turns { SwitchKind::Reverses } else { SwitchKind::Sticks };
         switched(Switch { after_s: done + at, law: Some(law), kind });
         if together > 0 {
             switched(unresolved(done + at, None));
         }
         let (end, length, last) =
-            if rests == 0.0 && goes != 0.0 { (second, length + 2.0 * ahead, ahead) } else { (after, length, length) };
+            if rests == 0.0 && turns { (second, length + 2.0 * ahead, ahead) } else { (after, length, length) };
         self.take_over(&end);
         self.last = last;
         (at + length, all.and(TangentReport { switches: 1, unresolved: together, ..TangentReport::default() }))
