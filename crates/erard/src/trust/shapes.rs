@@ -6,8 +6,9 @@ use super::{Warning, WarningKind, rounded};
 use crate::instrument::{Curve, Instrument, Vec2};
 
 /// Farthest that a point of a body may lie from the rest of the body, over the body's length. The toe of a jack, which
-/// stands out, has 0.5, the capstan of a damper 0.6.
-const BODY_LENGTHS: f64 = 0.7;
+/// stands out, has 0.5, the capstan of a damper 0.6. Of files with numbers changed by factors from 0.5 to 2, a lower
+/// bound would doubt more than one in a hundred.
+const BODY_LENGTHS: f64 = 0.83;
 /// The same for the place of a line that a disc meets, which is as far off as both bodies are drawn: the end of a line
 /// is nowhere. The hammer's rest on the whippen has 0.6.
 const FOOT_LENGTHS: f64 = 1.0;
@@ -16,7 +17,7 @@ const FOOT_LENGTHS: f64 = 1.0;
 const APART_LENGTHS: f64 = 0.5;
 /// Least and farthest distance from its body's pivot of a point whose speed or travel is reported, over the body's
 /// radius of gyration about that pivot. The end of a uniform rod has 1.73; a key's front has 1.7, a strike point 1.2.
-const GYRATION_RADII: [f64; 2] = [0.5, 2.0];
+const GYRATION_RADII: [f64; 2] = [0.5, 2.1];
 
 const KEY_FRONT: &str = "key front";
 const STRIKE_POINT: &str = "strike point";
