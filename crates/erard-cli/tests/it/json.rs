@@ -168,6 +168,7 @@ const CALLS: &[(&str, &[&[&str]])] = &[
             &["compare", "run/run.csv"],
             &["compare", "key.csv", "--no-pictures"],
             &["compare", "noisy.csv", "--no-pictures"],
+            &["compare", "touched.csv", "--no-pictures"],
             &["compare", "run/run.csv", "--instrument", "heavy-touch", "--drive", "rigid", "--model", "action"],
             &["compare", "run/run.csv", "--way-up", "--drive", "force,motion", "--model", "one-dof", "--no-pictures"],
         ],
@@ -428,6 +429,10 @@ fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
     let table = folder.read("run/run.csv");
     let part: Vec<String> = table.lines().map(|l| [0, 2].map(|k| l.split(',').nth(k).unwrap()).join(",")).collect();
     folder.file("key.csv", &part.join("\n"));
+    // One that begins while the key moves: it has no rest.
+    let moves = |line: &&String| line.split(',').nth(1).unwrap().parse::<f64>().is_ok_and(|key_m| key_m > 1e-3);
+    let moving: Vec<&str> = part.iter().skip_while(|line| !moves(line)).map(|line| &line[..]).collect();
+    folder.file("touched.csv", &[&[&part[0][..]], &moving[..]].concat().join("\n"));
     // One with a rest, an offset, noise and a gap, so that all of a preparation is there.
     let mut noisy = String::from("t (ms);Force (gf);Travel (mm)\n");
     for n in 0..1000_u64 {
