@@ -9,7 +9,7 @@ pub const FEWEST_BITS: f64 = 10.0;
 /// A lower rate causes a warning, Hz.
 pub const LOWEST_HZ: f64 = 500.0;
 /// Root mean square error at pp, counts, by bits.
-const BY_BITS: [[f64; 2]; 3] = [[7.0, 0.85], [10.0, 0.23], [12.0, 0.08]];
+const BY_BITS: [[f64; 2]; 3] = [[7.0, 1.4], [10.0, 0.23], [12.0, 0.08]];
 /// At ff, counts, at 250 Hz.
 const AT_250_HZ: f64 = 1.0;
 
