@@ -152,6 +152,17 @@ fn words(line: &str) -> (Vec<String>, Option<String>) {
     (words, into)
 }
 
+/// Replaces `FOLDER/*.EXTENSION` by the files of that kind, as a shell does.
+fn expanded(folder: &Folder, word: String) -> Vec<String> {
+    let Some((below, kind)) = word.split_once("/*.") else { return vec![word] };
+    let entries = std::fs::read_dir(folder.0.join(below)).unwrap().map(|entry| entry.unwrap().file_name());
+    let names = entries.map(|name| format!("{below}/{}", name.into_string().unwrap()));
+    let mut names: Vec<String> = names.filter(|name| name.ends_with(&format!(".{kind}"))).collect();
+    names.sort();
+    assert!(!names.is_empty(), "{word}: no such file");
+    names
+}
+
 /// Runs command lines one after the other in a folder, as a shell reads them: a backslash goes on, a comment is
 /// nothing. What takes long is shortened: the test shows that the lines need nothing else.
 fn run_lines(folder: &Folder, lines: &str) -> usize {
@@ -168,6 +179,7 @@ fn run_lines(folder: &Folder, lines: &str) -> usize {
             _ => &[],
         };
         words.extend(shortened.iter().map(|word| (*word).to_owned()));
+        let words: Vec<String> = words.into_iter().flat_map(|word| expanded(folder, word)).collect();
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         let said = match program.as_str() {
             "erard" => folder.good(&words),
@@ -189,7 +201,7 @@ fn run_lines(folder: &Folder, lines: &str) -> usize {
 mod nightly {
     use super::*;
 
-    /// Every recipe of the book, one after the other, in an empty folder.
+    /// Every recipe of the book, one after the other, in a folder with pieces and two recorded notes.
     #[test]
     #[ignore = "nightly: some forty commands, one after the other"]
     fn an_empty_folder_is_enough_for_the_recipes() {

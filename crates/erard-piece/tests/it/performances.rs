@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use erard_midi::Law;
-use erard_piece::{Options, Performance, Played, Reason, Score};
+use erard_piece::{Fault, Options, Performance, Played, Reason, Score};
 
 use crate::common::{HEAVY, RIGID, STRINGS, note, piece, played, score};
 
@@ -93,7 +93,11 @@ fn plays_for(seconds: f64) {
         assert!(!note.reasons().is_empty(), "{note:?}");
     }
     let sounds = |reason: &Reason| matches!(reason, Reason::StringSounds { .. } | Reason::TooLoud { .. });
-    assert!(home().all(|note| note.faults().is_empty() || note.reasons().iter().any(sounds)));
+    // But a soft hammer that is not caught may fall back onto the rising lever: of half a minute one note of 81.
+    let others: Vec<&Played> =
+        home().filter(|note| !note.faults().is_empty() && !note.reasons().iter().any(sounds)).collect();
+    let falls = |note: &&Played| note.faults() == [Fault::Twice] && note.reasons().contains(&Reason::NotChecked);
+    assert!(others.iter().all(falls) && others.len() <= 1 + all.from_home / 500, "{others:?}");
     // Of ten minutes 18 of 3363.
     assert!(outside <= 1 + all.from_home / 100, "{all:?}");
     assert!(all.right as f64 > 0.9 * all.notes as f64, "{all:?}");

@@ -176,13 +176,25 @@ pub fn play(grand: &Instrument, seed: u64, settings: Settings<f64>, duration_s: 
     play_on(&perturbed(grand, seed), seed, settings, duration_s)
 }
 
+/// Further searches for a rest, at most.
+const SEARCHES: usize = 3;
+
 /// Plays a random stroke on an instrument.
 pub fn play_on(instrument: &Instrument, seed: u64, settings: Settings<f64>, duration_s: f64) -> Fate {
     let mut r = Random::new(seed ^ 0x5eed_0000_0000_0000);
     let stroke = stroke(&mut r);
     let mut fate = Fate { seed, ..Fate::default() };
     let mut action = Action::as_drawn(instrument, settings).expect("a valid instrument assembles");
-    match action.settle(instrument, Input::Free, &mut |_| true) {
+    // A search gives up after so much work; what still creeps then, e.g. a jack that wedges a
+    // whippen, is searched on from there.
+    let search = |action: &mut Action| action.settle(instrument, Input::Free, &mut |_| true);
+    let mut found = search(&mut action);
+    for _ in 0..SEARCHES {
+        if matches!(found, Err(EquilibriumError::NoRest { .. })) {
+            found = search(&mut action);
+        }
+    }
+    match found {
         Ok(time) => fate.settling_s = time,
         Err(EquilibriumError::NoRest { .. } | EquilibriumError::Unsolved { .. }) => {
             // A hammer wedged in its check by hundreds of newtons, a jack between its stops: felts of so much loss
