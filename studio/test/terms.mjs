@@ -40,7 +40,7 @@ const files = async () => {
   // The page's own text is the English of its labels.
   for (const [, key, said] of (await text("studio/tools.html")).matchAll(/data-term="([^"]*)"[^>]*>([^<]*)</g)) assert.equal(said, english[key], key);
   // The book has the same words, the unchecked ones marked.
-  const table = (await text("book/src/glossary.md")).split("## Symbols")[0].split("\n").filter((line) => /^\| (?!English)/.test(line));
+  const table = (await text("book/src/glossary.md")).split("\n## ")[1].split("\n").filter((line) => /^\| (?!English)/.test(line));
   const book = { de: {}, fr: {} };
   for (const line of table) {
     const [names, ...said] = line.split("|").slice(1, 4).map((cell) => cell.replace(/\([^)]*\)/, "").trim().split(", "));

@@ -108,9 +108,13 @@ mod nightly {
     }
 }
 
-/// Every chosen page's blocks in order, each page in a folder of its own; then its pictures.
+/// Every chosen page's blocks in order, each page in a folder of its own; then its pictures. `ERARD_PAGE=morning.md`
+/// leaves the other pages out.
 fn follow(is_chosen: impl Fn(&str) -> bool) {
+    let only = std::env::var("ERARD_PAGE").unwrap_or_default();
     let pages: Vec<Page> = pages().into_iter().filter(|page| is_chosen(&page.path())).collect();
+    let pages: Vec<Page> = pages.into_iter().filter(|page| page.path().ends_with(&only)).collect();
+    assert!(!pages.is_empty(), "no page {only}");
     let faults: Vec<String> = std::thread::scope(|scope| {
         let running: Vec<_> = pages.iter().map(|page| scope.spawn(|| play(page))).collect();
         running.into_iter().flat_map(|r| r.join().expect("a page's run does not panic")).collect()
