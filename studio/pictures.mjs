@@ -115,7 +115,6 @@ export const pictures = (erard) => {
     const all = made(given(keyboard, (at) => erard.erard_keyboard_builtin(at, STEP_S, 0)));
     const input = struct(INPUT_BYTES), impacts = erard.erard_memory_new(64 * IMPACT_BYTES), count = erard.erard_memory_new(8);
     words(impacts)[0] = IMPACT_BYTES;
-    const turns = passage().flatMap(([key, from, to, force]) => [[from, key, force], [to, key, 0]]).map(([time, key, force]) => [Math.round(time / STEP_S), key, force]).sort((a, b) => a[0] - b[0]);
     const sounded = new Set();
     let step = 0;
     const walk = (to) => {
@@ -124,8 +123,8 @@ export const pictures = (erard) => {
       for (let n = 0; n < words(count)[0]; n++) sounded.add(Math.floor(doubles(impacts + IMPACT_BYTES * n + 8, 1)[0] / PASSAGE.period_s));
       step = to;
     };
-    for (const [at, key, force] of turns) {
-      walk(at);
+    for (const [time, key, force] of passage()) {
+      walk(Math.round(time / STEP_S));
       words(input)[1] = force > 0 ? 1 : 0;
       doubles(input + 8, 6).set([force, 0, 0, 0, 0, 0]);
       done(erard.erard_keyboard_drive(all, key, input));

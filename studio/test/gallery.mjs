@@ -6,7 +6,11 @@ import { assert, until } from "./help.mjs";
 const book = (name) => readFile(new URL(`../../book/src/${name}.md`, import.meta.url), "utf8");
 /** Waits until an example's stroke is over and its instant is looked at. */
 const shown = (page) => until(page, () => document.getElementById("live").getAttribute("aria-pressed") === "false" && studio.events.length > 0, undefined, 60_000);
-const events = (page) => page.evaluate(() => studio.events);
+/** The same, and what both actions did. */
+const events = async (page) => {
+  await shown(page);
+  return page.evaluate(() => studio.events);
+};
 const weights = async (page) => {
   await until(page, () => document.querySelectorAll("#panel-compare tr[data-line=down_weight_g]:not(.waiting)").length === 2, undefined, 120_000);
   return page.evaluate(() => [...document.querySelectorAll("#panel-compare tr[data-line=down_weight_g]")].map((row) => Number.parseFloat(row.cells[1].textContent)));
@@ -16,24 +20,20 @@ const passage = (page, text) => until(page, (text) => document.getElementById("p
 /** What must hold of each once it is played. */
 const HOLDS = {
   "worn-regulation": async (page) => {
-    await shown(page);
     const [a, b] = await events(page);
     assert.deepEqual([a.impact_count, b.impact_count], [1, 0]);
   },
   "double-strike": async (page) => {
-    await shown(page);
     const [a, b] = await events(page);
     assert.deepEqual([a.impact_count, b.impact_count], [1, 2]);
   },
   "capstan-moved": async (page) => {
-    await shown(page);
     const [a, b] = await events(page);
     assert(b.hammer_speed_m_per_s < a.hammer_speed_m_per_s - 0.03);
     const [first, second] = await weights(page);
     assert(second > first + 8, `${first} and ${second} g`);
   },
   "struck-beside-pressed": async (page) => {
-    await shown(page);
     const [a, b] = await events(page);
     assert(Math.abs(a.hammer_speed_m_per_s - b.hammer_speed_m_per_s) < 0.02);
     // From the stroke's beginning, as the picture is seen.
@@ -41,12 +41,10 @@ const HOLDS = {
     assert(share > 0.4 && share < 0.6, `${share} of the time`);
   },
   "lost-repetition": async (page) => {
-    await shown(page);
     const [a, b] = await events(page);
     assert.deepEqual([a.impact_count, b.impact_count], [2, 1]);
   },
   "heavy-touch": async (page) => {
-    await shown(page);
     const [a, b] = await events(page);
     assert(b.hammer_speed_m_per_s < a.hammer_speed_m_per_s - 0.1 && b.hammer_contact_s > a.hammer_contact_s + 2e-3);
     const [first, second] = await weights(page);

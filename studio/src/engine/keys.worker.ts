@@ -71,11 +71,9 @@ const show = (key: number): void => {
 };
 
 /** A passage begins. */
-const begin = (notes: [number, number, number, number][]): void => {
+const begin = (turns: [number, number, number][]): void => {
   walked = 0;
-  score = notes
-    .flatMap(([key, from_s, to_s, force_n]) => [{ step: Math.round(from_s / STEP_S), key, force_n }, { step: Math.round(to_s / STEP_S), key, force_n: 0 }])
-    .sort((a, b) => a.step - b.step);
+  score = turns.map(([time_s, key, force_n]) => ({ step: Math.round(time_s / STEP_S), key, force_n }));
 };
 
 const frame = (wall_ms: number, forces: [number, number][], to_m: number | null): void => {
@@ -143,7 +141,7 @@ addEventListener("message", ({ data }: MessageEvent<ToKeys>) => {
       if (data.kind === "open") return open(data.module, data.name);
       if (data.kind === "show") return show(data.key);
       if (data.kind === "pedal") return check(library.raw.erard_keyboard_set_pedal(keyboard, data.lift_m));
-      if (data.kind === "passage") return begin(data.notes);
+      if (data.kind === "passage") return begin(data.turns);
       frame(data.wall_ms, data.forces, data.finger_m);
     })
     .catch((error: unknown) => say({ kind: "fault", message: error instanceof Error ? error.message : String(error) }));

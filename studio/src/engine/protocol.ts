@@ -224,8 +224,8 @@ export type ToKeys =
   | { kind: "open"; module: WebAssembly.Module; name: string }
   | { kind: "show"; key: number }
   | { kind: "pedal"; lift_m: number }
-  /** Notes that are played by themselves: key, from when to when, s from now, and the force, N. */
-  | { kind: "passage"; notes: [number, number, number, number][] }
+  /** Forces on keys, in the order of time: when, s from now, which key, and the force, N; 0 lets it go. */
+  | { kind: "passage"; turns: [number, number, number][] }
   | { kind: "frame"; wall_ms: number; forces: [number, number][]; finger_m: number | null };
 export type FromKeys =
   | { kind: "ready"; keys: number; took_ms: number }

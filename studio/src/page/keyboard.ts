@@ -74,7 +74,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     score.textContent = "";
     row.replaceChildren(...PASSAGE.keys.map((one) => h("li", {}, nameOf(one))));
     choose(PASSAGE.keys[0]!, false);
-    worker!.postMessage({ kind: "passage", notes: passage() });
+    worker!.postMessage({ kind: "passage", turns: passage() });
   };
   app.onpassage = perform;
   /** What a frame brought of the passage: which of its notes have sounded, and, once it is over, which have not. */
