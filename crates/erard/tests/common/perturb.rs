@@ -185,8 +185,8 @@ pub fn play_on(instrument: &Instrument, seed: u64, settings: Settings<f64>, dura
     let stroke = stroke(&mut r);
     let mut fate = Fate { seed, ..Fate::default() };
     let mut action = Action::as_drawn(instrument, settings).expect("a valid instrument assembles");
-    // A search gives up after so much work; what still creeps then, e.g. a jack that wedges a
-    // whippen, is searched on from there.
+    // A search gives up after so much work. What still creeps then, e.g. a jack that wedges a whippen, is searched on
+    // from there.
     let search = |action: &mut Action| action.settle(instrument, Input::Free, &mut |_| true);
     let mut found = search(&mut action);
     for _ in 0..SEARCHES {

@@ -23,14 +23,14 @@ const JUDGED: [WarningKind; 3] = [WarningKind::SpeedBeyondEnergy, WarningKind::B
 /// Odd runs that are trusted, by seed, and why.
 const LISTED: [(u64, &str); 6] = [
     (60549, "the drop screw's place is on the other side of the lever's hinge, within the lever's length"),
-    (62081, "as 60549"),
-    (63350, "the lifter's place is on the other side of the damper's hinge, no farther off than a lifter may be"),
     (61537, "the hammer's tail is 110 mm from its place, but not farther off the hammer than tails may be"),
+    (62081, "as 60549"),
     (62452, "the hammer's tail is on the other side of its hinge, within the hammer's length"),
     (
         63301,
         "the contact with the back-rail cloth is at the key's front, which is a place of the key: it is held down there",
     ),
+    (63350, "the lifter's place is on the other side of the damper's hinge, no farther off than a lifter may be"),
 ];
 /// Seed of the first mutant.
 const FIRST: u64 = 60_000;
