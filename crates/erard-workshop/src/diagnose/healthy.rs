@@ -3,7 +3,7 @@
 //! Its sources are the usual ranges, uniform inside (a standard deviation of the width over the root of 12), and the
 //! simulated effects. Our own estimates are marked.
 
-use super::cause::causes;
+use super::cause::{Cause, Change, causes};
 use super::effect::{BALANCE, FEATURES, FRICTION, N, effects};
 use super::entry::{at, entries};
 use crate::measure::usual::{ratio_factor, usual};
@@ -38,6 +38,20 @@ const SCREWS: [(usize, &str); 9] = [
     (at::SPRING, "spring_weak"),
     (at::DAMPER, "damper_early"),
 ];
+/// Feature that a cause sets: the reading of its screw, its pin, its hammer, its leads or its capstan line; `None`
+/// where it sets none of its own.
+pub(super) fn set_by(cause: &Cause) -> Option<usize> {
+    let is_of = |key: &str| causes().iter().any(|own| own.key == key && own.change == cause.change);
+    let places = PLACES.iter().map(|(feature, key, ..)| (*feature, *key));
+    let own = SCREWS.into_iter().chain(places).find(|(_, key)| is_of(key)).map(|(feature, _)| feature);
+    own.or(match cause.change {
+        Change::Hammer => Some(at::STRIKE),
+        Change::FrontWeight => Some(at::FRONT),
+        Change::Capstan => Some(at::RATIO),
+        _ => None,
+    })
+}
+
 /// Scatter of the aftertouch of sound keys not explained by screws, mm: a blow of 46 mm takes 0.5 mm more or less key
 /// travel at a leverage of 5.2 or 5.8. An estimate.
 const AFTERTOUCH_MM: f64 = 0.5;
@@ -125,6 +139,24 @@ impl Healthy {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Both directions of a screw set its reading; the back rail and the knuckle set none of their own.
+    #[test]
+    fn causes_set_their_readings() {
+        let of = |key: &str| causes().iter().find(|cause| cause.key == key).and_then(set_by);
+        for (key, feature) in [
+            ("let_off_close", at::LET_OFF),
+            ("dip_shallow", at::DIP),
+            ("hammer_high", at::BLOW),
+            ("spring_strong", at::SPRING),
+            ("hammer_friction", at::HAMMER_FLANGE),
+            ("ratio_low", at::RATIO),
+            ("leads_few", at::FRONT),
+        ] {
+            assert_eq!(of(key), Some(feature), "{key}");
+        }
+        assert_eq!((of("back_rail"), of("knuckle_friction")), (None, None));
+    }
 
     /// Sound keys agree with the trade: each mean is inside its usual range by about a standard deviation, and the
     /// means satisfy the equation of balance.

@@ -7,6 +7,7 @@ use super::cause::{Cause, Look, Side, causes, looks};
 use super::effect::{BALANCE, FEATURES, FRICTION, N, of_known, precision};
 use super::entry::{Known, at, entries, readings, usual_range};
 use super::geometry::Geometry;
+use super::healthy::set_by;
 use super::next::next;
 use crate::balance::UNTAPPED_G;
 use crate::measure::usual::usual;
@@ -17,6 +18,8 @@ const NAMED: f64 = 0.5;
 /// A cause is named only if the readings make it more likely than any cause in whose place it would be, this many times
 /// as much as their frequencies do: otherwise our estimate of frequencies decides, and not the readings.
 const BY_READINGS: f64 = 3.0;
+/// So many times only, where the cause's own reading is out, the other's was not taken, and the work can be undone.
+const BY_OWN_READING: f64 = 1.0;
 /// Two causes are in each other's place if they are together in less than this share of the cases of the rarer one.
 const RIVAL: f64 = 0.35;
 /// Largest number of causes named: after these, all is measured again.
@@ -227,11 +230,34 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
         return diagnosis;
     }
     let place = |ranked: &Ranked| causes().iter().position(|own| own.key == ranked.cause.key).unwrap_or_default();
+    let features = of_known(known);
+    let is_known = |feature: usize| {
+        let not_caught = feature == at::CHECK && known.is_not_caught;
+        features[feature].is_some() || not_caught || (feature == at::HAMMER_FLANGE && known.at(at::SWINGS).is_some())
+    };
+    let is_unread = |cause: &Cause| {
+        let is_derived = |feature: usize| feature == at::RATIO && diagnosis.geometry.ratio.is_some();
+        set_by(cause).is_some_and(|feature| !is_known(feature) && !is_derived(feature))
+    };
+    let is_own_line_out = |cause: &Cause| {
+        let own = set_by(cause);
+        let is_own = |line: &Judged| {
+            let is_swings = own == Some(at::HAMMER_FLANGE) && line.name == entries()[at::SWINGS].name;
+            is_swings || own.is_some_and(|feature| FEATURES[feature] == line.name)
+        };
+        diagnosis.lines.iter().any(|line| line.standing == Standing::Out && is_own(line))
+    };
+    // What can be undone and whose own reading is out waits for no rival whose own reading was not taken.
+    let is_shown = |cause: &Cause| cause.order < LEVERAGE_ORDER && is_own_line_out(cause);
     let is_decided = |ranked: &Ranked| {
         let own = place(ranked);
         let rivals = (0..of.len()).filter(|other| *other != own && of[*other] >= LEAST);
         let mut rivals = rivals.filter(|other| belief.together(own, *other) < RIVAL * of[own].min(of[*other]));
-        rivals.all(|other| of[own] / of[other] >= BY_READINGS * causes()[own].common / causes()[other].common)
+        rivals.all(|other| {
+            let [cause, rival] = [own, other].map(|at| &causes()[at]);
+            let by = if is_shown(cause) && is_unread(rival) { BY_OWN_READING } else { BY_READINGS };
+            of[own] / of[other] >= by * cause.common / rival.common
+        })
     };
     let is_likely =
         |ranked: &Ranked| ranked.probability >= NAMED && is_decided(ranked) && !is_own_line_in_range(ranked);
@@ -255,11 +281,6 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
     named.sort_by_key(|ranked| ranked.cause.order);
     diagnosis.causes = named;
     diagnosis.undecided = rest.into_iter().chain(others).filter(is_told).take(MAX_UNDECIDED).collect();
-    let features = of_known(known);
-    let is_known = |feature: usize| {
-        let not_caught = feature == at::CHECK && known.is_not_caught;
-        features[feature].is_some() || not_caught || (feature == at::HAMMER_FLANGE && known.at(at::SWINGS).is_some())
-    };
     diagnosis.next = next(&belief, is_known).filter(|next| next.bits >= LEAST_BITS).map(|next| {
         let entry = &entries()[next.feature];
         let would_read = next

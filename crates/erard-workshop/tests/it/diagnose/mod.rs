@@ -150,6 +150,16 @@ fn causes_come_in_the_trades_order() {
     assert!(of("balance hole") < of("capstan line") && to_do[of("capstan line")].contains("Weigh again"), "{to_do:?}");
 }
 
+/// A let-off of 3.2 mm is set by its button, although a hammer line so low that the key ends before let-off would make
+/// it, too: the blow was not taken. A long blow that was taken decides for the hammer line.
+#[test]
+fn own_readings_come_first() {
+    let asked = |readings: &[(&str, f64)]| diagnose(&known(readings), 40);
+    assert_eq!(named(&asked(&[("let_off_mm", 3.2)])), ["let_off_wide"]);
+    assert_eq!(named(&asked(&[("let_off_mm", 3.2), ("blow_mm", 46.0)])), ["let_off_wide"]);
+    assert_eq!(named(&asked(&[("let_off_mm", 3.2), ("blow_mm", 51.5)])), ["hammer_low"]);
+}
+
 /// A cure that takes other readings farther out is withheld, with the reading: a shallow dip with a long aftertouch is
 /// what a high leverage was regulated to, and paper taken out lengthens the aftertouch.
 #[test]
