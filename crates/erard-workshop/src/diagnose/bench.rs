@@ -75,19 +75,29 @@ pub fn passes(friction_g: f64, strike_weight_g: f64) -> u32 {
     MAX_SWINGS
 }
 
+/// Step of the frictions that are compared with a count of swings, gf.
+const STEP_G: f64 = 0.05;
+
+/// Least and largest friction at 23 mm, gf, with which a hammer passes its lowest point so often; `None` if none does.
+fn frictions(strike_weight_g: f64, is_counted: impl Fn(u32) -> bool) -> Option<[f64; 2]> {
+    let grid = (1..=1000).map(|n| STEP_G * f64::from(n));
+    let fits: Vec<f64> = grid.filter(|g| is_counted(passes(*g, strike_weight_g))).collect();
+    Some([*fits.first()?, *fits.last()?])
+}
+
 /// Range of the friction at 23 mm, gf, of a hammer that passes its lowest point so often, lowest first.
 pub(super) fn friction_of_swings(swings: f64, strike_weight_g: f64) -> [f64; 2] {
-    const STEP_G: f64 = 0.05;
-    let of = |passes_: f64| {
-        let grid = (1..=1000).map(|n| STEP_G * f64::from(n));
-        let fits: Vec<f64> = grid.filter(|g| (f64::from(passes(*g, strike_weight_g)) - passes_).abs() < 0.5).collect();
-        fits.first().copied().zip(fits.last().copied())
-    };
+    let of = |count: f64| frictions(strike_weight_g, |passes| (f64::from(passes) - count).abs() < 0.5);
     // The count may be off by one swing, and the pendulum model by a quarter; a flange that still moves has no more
     // than a heavy case of the table.
-    let low = of((swings + 1.0).min(f64::from(MAX_SWINGS))).map_or(STEP_G, |(low, _)| low);
-    let high = of((swings - 1.0).max(0.0)).map_or(MOST_G, |(_, high)| high);
+    let low = of((swings + 1.0).min(f64::from(MAX_SWINGS))).map_or(STEP_G, |[low, _]| low);
+    let high = of((swings - 1.0).max(0.0)).map_or(MOST_G, |[_, high]| high);
     [0.75 * low, (1.25 * high).min(MOST_G)]
+}
+
+/// Range of the friction at 23 mm, gf, of hammers whose swings lie in a range, by the pendulum; `None` if none do.
+pub(super) fn sound_friction([least, most]: [f64; 2], strike_weight_g: f64) -> Option<[f64; 2]> {
+    frictions(strike_weight_g, |passes| (least..=most).contains(&f64::from(passes)))
 }
 
 #[cfg(test)]
@@ -109,5 +119,7 @@ mod tests {
         assert_eq!(passes(100.0, 9.0), 0);
         let [low, high] = friction_of_swings(5.0, 9.0);
         assert!(low < high && passes(low, 9.0) >= 5 && passes(high, 9.0) <= 5, "{low} {high}");
+        let [low, high] = sound_friction([4.0, 9.0], 9.0).unwrap();
+        assert!((passes(low, 9.0), passes(high, 9.0)) == (9, 4) && passes(high + 0.05, 9.0) == 3, "{low} {high}");
     }
 }

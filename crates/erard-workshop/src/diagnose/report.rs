@@ -2,7 +2,7 @@
 //! without a model, the next measurement, and quantities derived from the weights.
 
 use super::belief::{BALANCE_PER_FRICTION, Belief, Row};
-use super::bench::friction_of_swings;
+use super::bench::{friction_of_swings, sound_friction};
 use super::cause::{Cause, Look, Side, causes, looks};
 use super::effect::{BALANCE, FEATURES, FRICTION, N, of_known, precision};
 use super::entry::{Known, at, entries, readings, usual_range};
@@ -433,7 +433,9 @@ fn rows(known: &Known, key: usize, geometry: &Geometry) -> Vec<Row> {
         let [low, high] = friction_of_swings(swings, strike_g);
         let error = (high - low) / libm::sqrt(12.0);
         let value = 0.5 * (low + high);
-        rows.push(Row { of: vec![(at::HAMMER_FLANGE, 1.0)], value, error, range: None });
+        // The usual swings go with the count, and not a gauge's usual grams: the pendulum agrees with them roughly.
+        let range = entries()[at::SWINGS].range(key).and_then(|usual| sound_friction(usual, strike_g));
+        rows.push(Row { of: vec![(at::HAMMER_FLANGE, 1.0)], value, error, range });
     }
     rows
 }

@@ -70,7 +70,7 @@ fn the_quick_test_tells_places_of_friction_apart() {
     for (name, value, cause, least) in [
         ("key_alone_friction_g", 12.5, "key_friction", 0.8),
         ("hammer_flange_g", 13.0, "hammer_friction", 0.8),
-        ("hammer_swings", 1.0, "hammer_friction", 0.6),
+        ("hammer_swings", 1.0, "hammer_friction", 0.8),
         ("whippen_flange_g", 45.0, "whippen_friction", 0.8),
     ] {
         let (first, probability) = with(name, value);
@@ -148,6 +148,18 @@ fn causes_come_in_the_trades_order() {
     let to_do = found.to_do();
     let of = |word: &str| to_do.iter().position(|line| line.contains(word)).unwrap();
     assert!(of("balance hole") < of("capstan line") && to_do[of("capstan line")].contains("Weigh again"), "{to_do:?}");
+}
+
+/// Swings show one flange and nothing else: two and fewer name it, also in the treble, three may be four, and four are
+/// usual.
+#[test]
+fn swings_name_the_flange() {
+    let asked = |key: usize, swings: f64| diagnose(&known(&[("hammer_swings", swings)]), key);
+    for key in [20, 60, 72] {
+        assert_eq!(named(&asked(key, 1.0)), ["hammer_friction"], "{key}");
+        assert!(!asked(key, 3.0).is_work() && !asked(key, 4.0).is_doubtful(), "{key}");
+    }
+    assert_eq!(named(&asked(60, 2.0)), ["hammer_friction"]);
 }
 
 /// A let-off of 3.2 mm is set by its button, although a hammer line so low that the key ends before let-off would make
