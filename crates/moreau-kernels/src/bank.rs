@@ -2,10 +2,11 @@
 //!
 //! A step is a function of state and input. If a step leaves every bit of a mechanism's state unchanged, so would the
 //! next one with the same input. Such a mechanism sleeps: it is skipped until its input changes. This is exact; there
-//! is no threshold. It works because set-valued dry friction brings velocities to exactly zero in finite time.
-//! Regularised friction does not, so that under it no mechanism ever sleeps. A mechanism that friction holds exactly at
-//! its limit may not sleep either: rounding lets it slip and stick in turn (velocities of 1e-17 rad/s that change no
-//! angle). This is rare, and costs only time.
+//! is no threshold. It works because set-valued dry friction brings velocities to exactly zero in finite time, or,
+//! where something slips at the limit of its friction toward its rest (a damper that sinks into its felt), to such that
+//! no longer change an angle by rounding: 1e-15 rad/s, for ever. Regularised friction does neither, so that under it no
+//! mechanism ever sleeps. Rarely rounding makes such a velocity alternate between two or three values, which differ by
+//! 1e-18 rad/s and change no angle: that mechanism stays awake, which costs only time.
 
 use moreau::{ModelError, Settings, SiteInput, StepOutcome, Workspace};
 

@@ -252,7 +252,7 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
             self.velocity_before = self.state.velocity;
             self.hand = hand_of(input, &self.state);
             // A mechanism that moves is not copied: it does not fall asleep in this step.
-            let before = (self.may_rest && self.state.stands()).then(|| self.state.clone());
+            let before = (self.may_rest && self.state.stays(settings.step)).then(|| self.state.clone());
             let report = step_out_of_line(&self.model, settings, input, &mut self.state, workspace);
             if self.may_rest {
                 self.sleep.compare(before.as_ref(), &self.state, input, report);

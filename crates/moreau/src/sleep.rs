@@ -2,7 +2,9 @@
 //!
 //! A step is a function of state and input. If a step leaves every bit of the state unchanged, so would the next one
 //! with the same input: it would give the same report and the same workspace. Such steps are skipped. This is exact;
-//! there is no threshold and no drift. A mechanism falls asleep only if dry friction truly sticks.
+//! there is no threshold and no drift. A mechanism falls asleep where dry friction truly sticks, and where what still
+//! slips at the limit of its friction is so slow that the step's product of speed and length rounds to nothing beside
+//! every angle: no angle changes, hence no force, hence no speed, for ever.
 
 use crate::input::SiteInput;
 use crate::model::Model;
@@ -46,7 +48,7 @@ impl<T: Scalar> Sleep<T> {
     }
 
     /// Records, after a step with this input, whether the step changed nothing. `before`: the state before the step;
-    /// `None` if the mechanism moved, which keeps it awake.
+    /// `None` if the mechanism moved ([`State::stays`]), which keeps it awake.
     #[inline]
     pub fn compare<const B: usize, const Z: usize>(
         &mut self,
@@ -72,7 +74,7 @@ impl<T: Scalar> Sleep<T> {
             return report;
         }
         // A mechanism that moves is not copied: it does not fall asleep in this step.
-        let before = state.stands().then(|| state.clone());
+        let before = state.stays(settings.step).then(|| state.clone());
         let report = step_out_of_line(model, settings, input, state, workspace);
         self.compare(before.as_ref(), state, input, report);
         report
@@ -92,5 +94,15 @@ impl<T: Real, const B: usize, const Z: usize> State<T, B, Z> {
         let mut same = true;
         self.numbers.zip(&other.numbers, |a, b| same = same && same_bits(a, b));
         same
+    }
+}
+
+impl<T: Scalar, const B: usize, const Z: usize> State<T, B, Z> {
+    /// Returns whether no angle would change in a step of this length, s, at the present velocities: these are zero, or
+    /// so small that rounding leaves every angle as it is. A step can leave the state as it is only then.
+    #[inline(always)]
+    pub fn stays(&self, step_s: T) -> bool {
+        let mut each = self.angle.iter().zip(&self.velocity);
+        each.all(|(angle, velocity)| angle.add_product(step_s, *velocity) == *angle)
     }
 }
