@@ -1,9 +1,9 @@
 //! Keys of a keyboard with sensors: readings of a converter in, bytes of MIDI out.
 
 use erard_live::SensorKind;
-use erard_live::board::{self, BoardMechanism, Outline, Sensor};
+use erard_live::board::{self, BoardMechanism, Outline, Sensor, Voice};
 use erard_live::sensor::FixedLaw;
-use erard_midi::{Message, Resolution};
+use erard_midi::Message;
 use moreau::{ModelError, Scalar};
 
 use crate::grand::{self, BODIES, ZONES};
@@ -57,11 +57,11 @@ impl<T: Scalar> Keys<T> {
 
     /// Takes a key's reading at an instant, s, later than its last one; sends what comes of it.
     pub fn take(&mut self, key: &mut Key<T>, time_s: f64, reading: u16, send: &mut dyn FnMut(Message)) {
-        self.0.take(key, time_s, T::from_f64(f64::from(reading)), Resolution::SevenBits, send);
+        self.0.take(key, time_s, T::from_f64(f64::from(reading)), &Voice::USUAL, send);
     }
 
     /// Lets a key go: no note is left.
     pub fn let_go(&mut self, key: &mut Key<T>, time_s: f64, send: &mut dyn FnMut(Message)) {
-        self.0.let_go(key, time_s, send);
+        self.0.let_go(key, time_s, &Voice::USUAL, send);
     }
 }

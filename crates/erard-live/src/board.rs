@@ -2,17 +2,17 @@
 //! share one mechanism; each key has its own state. A key at rest takes no step.
 
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
-use erard_midi::{Event, Law, Message, Pedal, ReleaseLaw, Resolution, Velocity, note_of_key};
+use erard_midi::{Message, Pedal, note_of_key};
 use moreau::{
     GROUND, ImpactPredictor, Model, ModelError, RIGID_CORRECTION, Scalar, Settings, SiteHand, SiteInput, Sleep, State,
     StepOutcome, TrackedPoint, Vector, Workspace, vector::dot,
 };
 
-use crate::converter::{Converter, Stops};
-use crate::drive::{Push, SensorKind};
+use crate::drive::Push;
 use crate::limits::Limits;
-use crate::sensed::{Counts, SensedKey, Stepped, Steps};
-use crate::sensor::FixedLaw;
+use crate::sensed::{Counts, Stepped, Steps};
+use crate::sensing::Sensing;
+pub use crate::sensing::{Sensor, Voice};
 
 /// Number of samples by which a press may begin before its sensor leaves its rest.
 pub const REMEMBERED: usize = 16;
@@ -35,25 +35,6 @@ pub struct Outline<const B: usize> {
     pub limits: Limits,
     /// Travel at which the key sets its damper down, m.
     pub damper_m: f64,
-}
-
-/// The sensor of a key.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sensor {
-    /// Kind of keyboard: [`SensorKind::Action`] or [`SensorKind::Light`].
-    pub kind: SensorKind,
-    /// Its law.
-    pub law: FixedLaw,
-    /// Readings at the key's two stops; they must differ.
-    pub stops: Stops,
-    /// A reading that differs from the last accepted one by no more than this counts as equal, so that noise does not
-    /// keep a resting key awake.
-    pub still: f64,
-    /// The sensed travel between them, m.
-    pub travel_m: f64,
-    /// Travel of the key's front per travel of the sensed place; for a light device its whole travel is mapped to the
-    /// simulated key's dip instead.
-    pub front_per_sensed: f64,
 }
 
 /// The action that all keys share: its constant model and the working memory of a step.
@@ -92,23 +73,22 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> BoardMechanism<T
 
     /// A key at rest, its number from 1.
     pub fn key(&self, number: usize, sensor: &Sensor) -> Key<T, B, Z> {
-        let Sensor { kind, law, stops, still, travel_m, front_per_sensed } = *sensor;
-        let Outline { rest, hammer: (body, point), string, limits, damper_m } = self.outline;
+        let Outline { limits, damper_m, .. } = &self.outline;
+        Key {
+            note: note_of_key(number).unwrap_or(0),
+            sensing: Sensing::new(sensor, limits, *damper_m, self.step_s),
+            action: self.at_rest(),
+        }
+    }
+
+    fn at_rest(&self) -> Own<T, B, Z> {
+        let Outline { rest, hammer: (body, point), string, .. } = self.outline;
         let mut state = State::at_rest(rest.map(T::from_f64));
         state.hand = [self.rest_m, T::ZERO];
         let tracked = TrackedPoint::of(&self.model, body, point.map(T::from_f64));
         let mut predictor = ImpactPredictor::new(tracked, Some(string));
         predictor.update(&self.model, 0.0, &state.angle, &state.velocity);
-        let front = if kind == SensorKind::Light { limits.dip_m / travel_m } else { front_per_sensed };
-        Key {
-            note: note_of_key(number).unwrap_or(0),
-            front_per_sensed: T::from_f64(front),
-            still: T::from_f64(still),
-            taken: T::from_f64(stops.rest),
-            converter: Converter::new(law, stops, travel_m),
-            sensed: SensedKey::new(kind, limits.to(), damper_m, self.step_s),
-            action: Own { state, sleep: Sleep::awake(), predictor, steps: 0, aimed_m: None, unconverged: 0 },
-        }
+        Own { state, sleep: Sleep::awake(), predictor, steps: 0, aimed_m: None, unconverged: 0 }
     }
 
     /// Takes a key's reading at an instant, s, and sends the resulting messages. Returns false and ignores the reading
@@ -118,38 +98,25 @@ impl<T: Scalar, const B: usize, const Z: usize, const N: usize> BoardMechanism<T
         key: &mut Key<T, B, Z>,
         time_s: f64,
         reading: T,
-        resolution: Resolution,
+        voice: &Voice<'_>,
         send: &mut dyn FnMut(Message),
     ) -> bool {
-        let Key { note, front_per_sensed, still, taken, converter, sensed, action } = key;
-        if (reading - *taken).abs() > *still {
-            *taken = reading;
-        }
-        let front_m = converter.travel_m(time_s, *taken) * *front_per_sensed;
+        let Key { note, sensing, action } = key;
         let mut action = Shared { mechanism: self, own: action };
-        sensed.take((time_s, front_m), &mut action, &mut |event| send(message(*note, event, resolution)))
+        sensing.take((time_s, reading), &mut action, &mut |event| send(voice.message(*note, event)))
     }
 
     /// Releases a key, whatever its sensor reads, and follows it to its rest, so that no note keeps sounding.
-    pub fn let_go(&mut self, key: &mut Key<T, B, Z>, time_s: f64, send: &mut dyn FnMut(Message)) {
-        let Key { note, sensed, action, .. } = key;
+    pub fn let_go(&mut self, key: &mut Key<T, B, Z>, time_s: f64, voice: &Voice<'_>, send: &mut dyn FnMut(Message)) {
+        let Key { note, sensing, action } = key;
         let mut action = Shared { mechanism: self, own: action };
-        sensed.let_go(time_s, &mut action, &mut |event| send(message(*note, event, Resolution::SevenBits)));
+        sensing.let_go(time_s, &mut action, &mut |event| send(voice.message(*note, event)));
     }
-}
 
-fn message(note: u8, event: Event, resolution: Resolution) -> Message {
-    match event {
-        Event::On { hammer_speed_m_per_s, .. } => {
-            Message::note_on(0, note, Law::GOEBL.velocity(hammer_speed_m_per_s), resolution)
-        }
-        Event::Off { release_m_per_s, .. } => {
-            // A release that nobody saw has the velocity of senders that measure none.
-            let unseen = (Velocity::of_seven_bits(64), Resolution::SevenBits);
-            let seen = |m_per_s: f64| (ReleaseLaw::USUAL.velocity(m_per_s), resolution);
-            let (velocity, resolution) = release_m_per_s.map_or(unseen, seen);
-            Message::note_off(0, note, velocity, resolution)
-        }
+    /// Puts a key back where [`BoardMechanism::key`] made it: at rest, without drift, nothing counted.
+    pub fn reset(&self, key: &mut Key<T, B, Z>) {
+        key.sensing.reset();
+        key.action = self.at_rest();
     }
 }
 
@@ -157,19 +124,24 @@ fn message(note: u8, event: Event, resolution: Resolution) -> Message {
 #[derive(Debug, Clone)]
 pub struct Key<T: Scalar, const B: usize, const Z: usize> {
     note: u8,
-    front_per_sensed: T,
-    still: T,
-    /// The last accepted reading.
-    taken: T,
-    converter: Converter<T, &'static [[f64; 2]]>,
-    sensed: SensedKey<T, REMEMBERED>,
+    sensing: Sensing<T, REMEMBERED>,
     action: Own<T, B, Z>,
 }
 
 impl<T: Scalar, const B: usize, const Z: usize> Key<T, B, Z> {
+    /// Its sensor.
+    pub fn sensing(&self) -> &Sensing<T, REMEMBERED> {
+        &self.sensing
+    }
+
+    /// Its sensor, to be changed.
+    pub fn sensing_mut(&mut self) -> &mut Sensing<T, REMEMBERED> {
+        &mut self.sensing
+    }
+
     /// Counts of events.
     pub fn counts(&self) -> Counts {
-        self.sensed.counts
+        self.sensing.counts()
     }
 
     /// Steps that its action has taken; none while it rests.

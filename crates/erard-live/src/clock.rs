@@ -1,9 +1,8 @@
 //! The sender's clock, which is a claim.
 
+use crate::sensed::APART_S;
 use crate::stream::Sample;
 
-/// A stamp farther than this from its neighbours is wrong, s; a stream that is silent for longer has a gap.
-pub const APART_S: f64 = 1.0;
 /// So many samples of one stamp may wait for the next one: every key and pedal, and some twice.
 const MOST: usize = 128;
 

@@ -54,6 +54,17 @@ impl<T: Scalar, P: AsRef<[[f64; 2]]>> Converter<T, P> {
         Converter { law, rest, range, travel_m, drift: T::ZERO, before_s: 0.0, steady: None, beyond: 0 }
     }
 
+    /// Changes the sensor's law.
+    pub fn set_law(&mut self, law: LawOf<P>) {
+        self.law = law;
+    }
+
+    /// Forgets all readings, and the drift. Returns the reading at rest.
+    pub fn reset(&mut self) -> T {
+        (self.drift, self.before_s, self.steady, self.beyond) = (T::ZERO, 0.0, None, 0);
+        self.rest
+    }
+
     /// Travel of the sensed place, m, at a reading at an instant, s.
     pub fn travel_m(&mut self, time_s: f64, reading: T) -> T {
         let most = T::from_f64(MAX_DRIFT);

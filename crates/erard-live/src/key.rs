@@ -3,19 +3,17 @@
 use std::collections::VecDeque;
 
 use erard::instrument::Instrument;
-use erard::player::{ActionError, HandInput, Joints};
-use erard::{Action, Input, Settings, StepOutcome};
+use erard::player::ActionError;
+use erard::{Action, Settings};
 use erard_midi::Event;
-use moreau::SiteHand;
 
+use crate::action::{REMEMBERED, input};
 use crate::ahead::{Announced, Foreseen, look};
-use crate::drive::{Push, SensorKind};
+use crate::drive::SensorKind;
 use crate::limits::Limits;
 use crate::report::ERRORS;
-use crate::sensed::{Counts, GAP_S, Listen, SensedKey, Stepped, Steps};
+use crate::sensed::{Counts, GAP_S, Listen, SensedKey, Steps};
 
-/// Number of samples by which a press may begin before its sensor leaves its rest.
-const REMEMBERED: usize = 64;
 /// Largest lead of a predicted impact, s.
 const HORIZON_S: f64 = 6e-3;
 /// Smallest interval between two predictions, s.
@@ -52,50 +50,6 @@ impl KeyEvent {
         match event {
             Event::On { time_s, hammer_speed_m_per_s } => KeyEvent::Struck(time_s, hammer_speed_m_per_s),
             Event::Off { time_s, release_m_per_s } => KeyEvent::Released(time_s, release_m_per_s),
-        }
-    }
-}
-
-impl Steps<f64> for Action {
-    fn step(&mut self, push: &Push<f64>) -> Stepped<f64> {
-        let reading = Action::step(self, input(push));
-        Stepped {
-            key_m: reading.key_m,
-            hit: reading.impact.map(|impact| (impact.time_s - self.time_s(), impact.hammer_speed_m_per_s)),
-            is_finite: reading.outcome != StepOutcome::NonFinite,
-        }
-    }
-
-    fn is_asleep(&self) -> bool {
-        Action::is_asleep(self)
-    }
-
-    fn hand(&self) -> [f64; 2] {
-        let now = self.reading();
-        [now.hand_m, now.hand_m_per_s]
-    }
-
-    fn lay_hand(&mut self) {
-        let now = self.reading();
-        self.place_hand(now.key_m, now.key_m_per_s);
-    }
-}
-
-fn input(push: &Push<f64>) -> Input {
-    match *push {
-        Push::Free => Input::Free,
-        Push::Force(force_n) => Input::Force(force_n),
-        Push::Rigid { position_m, velocity_m_per_s } => Input::Rigid { position_m, velocity_m_per_s },
-        Push::Hand(SiteHand { mass, force, stiffness, damping, position, velocity, compliance, retardation }) => {
-            Input::Hand(HandInput {
-                mass_kg: mass,
-                force_n: force,
-                stiffness_n_per_m: stiffness,
-                damping_n_s_per_m: damping,
-                position_m: position,
-                velocity_m_per_s: velocity,
-                joints: Joints { compliance_m_per_n: compliance, retardation_s: retardation },
-            })
         }
     }
 }

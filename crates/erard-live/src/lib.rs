@@ -11,14 +11,16 @@
 //! - [`cable`]: how long bytes queue for a DIN cable; [`quality`]: errors from bits and rate of a sensor.
 //!
 //! Without the feature `std` (on by default) the crate contains the parts for a microcontroller, without a heap and
-//! also in single precision: [`sensor`], [`converter`], [`sensed`], [`contacts`],
-//! [`hammers`] and [`board`]. A stream's keys go through the same
-//! code.
+//! also in single precision: [`sensor`], [`converter`], [`stops`], [`sensed`], [`sensing`], [`contacts`], [`hammers`]
+//! and [`board`]. A stream's keys go through the same code. With the feature `actions` alone the actions of `erard` move
+//! under sensed keys, and there is neither text nor file: `liberard` is built so.
 //!
 //! SI units, except for files, which use millimetres; key and finger positive downward, the hammer upward.
 
-#![cfg_attr(not(feature = "std"), no_std)]
+#![cfg_attr(not(feature = "actions"), no_std)]
 
+#[cfg(feature = "actions")]
+pub mod action;
 #[cfg(feature = "std")]
 pub mod ahead;
 pub mod board;
@@ -35,7 +37,7 @@ pub mod converter;
 mod drive;
 #[cfg(feature = "std")]
 mod error;
-#[cfg(feature = "std")]
+#[cfg(feature = "actions")]
 mod find;
 #[cfg(feature = "std")]
 pub mod finger;
@@ -52,14 +54,16 @@ pub mod quality;
 #[cfg(feature = "std")]
 mod report;
 pub mod sensed;
+pub mod sensing;
 pub mod sensor;
+pub mod stops;
 #[cfg(feature = "std")]
 pub mod stream;
 
 pub use drive::{Push, SensorKind};
 #[cfg(feature = "std")]
 pub use error::LiveError;
-#[cfg(feature = "std")]
+#[cfg(feature = "actions")]
 pub use find::{blow_m, dip_m};
 pub use limits::{Limits, MAX_HAMMER_M_PER_S};
 #[cfg(feature = "std")]

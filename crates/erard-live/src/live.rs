@@ -9,7 +9,7 @@ use erard::keyboard::KEYS;
 use erard_midi::{Law, ReleaseLaw, Velocity, message};
 use erard_workshop::cores;
 
-use crate::clock::{APART_S, Clock, Taken};
+use crate::clock::{Clock, Taken};
 use crate::contacts::{ContactKey, ContactLaw};
 use crate::drive::SensorKind;
 use crate::error::LiveError;
@@ -19,6 +19,7 @@ use crate::limits::Limits;
 use crate::profile::{Converter, Profile, Sensed};
 use crate::quality::{Seen, expected_error_counts};
 use crate::report::{Leads, Report};
+use crate::sensed::{APART_S, BEGINS_BEFORE_S};
 use crate::stream::{Of, Sample, SensorUnit};
 
 /// A sensor that has left its rest by a small amount this often is noisy.
@@ -218,18 +219,16 @@ impl Live {
         let next_s = self.now_s + APART_S;
         if time_s < next_s {
             self.report.new_clocks += 1;
-            // The first key may have begun to move a period before.
-            self.shift_s += next_s + 0.01 - time_s;
+            self.shift_s += next_s + BEGINS_BEFORE_S - time_s;
         } else {
             self.report.stream_gaps += 1;
         }
-        let time_s = time_s.max(next_s + 0.01);
-        self.keys.iter_mut().flatten().for_each(|key| key.jump(time_s - 0.01));
+        let time_s = time_s.max(next_s + BEGINS_BEFORE_S);
+        self.keys.iter_mut().flatten().for_each(|key| key.jump(time_s - BEGINS_BEFORE_S));
     }
 
     fn take_next(&mut self, sample: &Sample, give: &mut dyn FnMut(Event)) {
-        // The first key may have begun to move a period before.
-        let begins_s = *self.begins_s.get_or_insert(sample.time_s - 0.01);
+        let begins_s = *self.begins_s.get_or_insert(sample.time_s - BEGINS_BEFORE_S);
         let time_s = sample.time_s - begins_s + self.shift_s;
         if time_s < 0.0 {
             self.report.out_of_order += 1;

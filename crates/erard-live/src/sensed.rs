@@ -21,6 +21,10 @@ const STUCK_S: f64 = 10.0;
 const FLUTTER_M: f64 = 0.5e-3;
 /// Time for which a released key is followed, s.
 pub(crate) const HOME_S: f64 = 1.0;
+/// A stamp farther than this from its neighbours is wrong, s; a stream that is silent for longer has a gap.
+pub const APART_S: f64 = 1.0;
+/// The first key may have begun to move so long before a stream begins, s: a period.
+pub(crate) const BEGINS_BEFORE_S: f64 = 0.01;
 
 /// State at the end of an action's step.
 #[derive(Debug, Clone, Copy, PartialEq)]

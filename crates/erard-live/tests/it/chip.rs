@@ -4,7 +4,7 @@ use erard::assembly::{assemble, probes};
 use erard::damper::{USUAL_HEIGHT_M, damper_height_m};
 use erard::keyboard::Keyboard;
 use erard::{Action, Instrument};
-use erard_live::board::{BoardMechanism, Key, Outline, Pedals, Sensor};
+use erard_live::board::{BoardMechanism, Key, Outline, Pedals, Sensor, Voice};
 use erard_live::converter::Stops;
 use erard_live::sensor::FixedLaw;
 use erard_live::{Limits, SensorKind};
@@ -24,6 +24,9 @@ const SHORT_S: f64 = 50e-6;
 const PERIOD_S: f64 = 1e-3;
 
 type Grand = BoardMechanism<f32, BODIES, ZONES, LAWS>;
+
+/// Velocities of fourteen bits.
+const FINE: Voice<'static> = Voice { resolution: Resolution::FourteenBits, ..Voice::USUAL };
 
 /// An instrument's action, its key held as that of `erard live`, in steps of `step_s`.
 fn mechanism(instrument: &Instrument, step_s: f64) -> Grand {
@@ -56,7 +59,7 @@ fn played(mechanism: &mut Grand, key: &mut Key<f32, BODIES, ZONES>, readings: &[
     let mut messages = Vec::new();
     for (k, reading) in readings.iter().enumerate() {
         let time_s = PERIOD_S * (k + 1) as f64;
-        assert!(mechanism.take(key, time_s, *reading, Resolution::FourteenBits, &mut |m| messages.push(m)));
+        assert!(mechanism.take(key, time_s, *reading, &FINE, &mut |m| messages.push(m)));
     }
     messages
 }
@@ -137,9 +140,9 @@ fn ten_keys_share_a_chip() {
     for k in 0..scans[0].len() {
         let time_s = PERIOD_S * (k + 1) as f64;
         for ((key, scan), messages) in keys.iter_mut().zip(&scans).zip(&mut together) {
-            mechanism.take(key, time_s, scan[k], Resolution::FourteenBits, &mut |m| messages.push(m));
+            mechanism.take(key, time_s, scan[k], &FINE, &mut |m| messages.push(m));
         }
-        mechanism.take(&mut idle, time_s, (k % 3) as f32, Resolution::SevenBits, &mut |m| panic!("{m:?}"));
+        mechanism.take(&mut idle, time_s, (k % 3) as f32, &Voice::USUAL, &mut |m| panic!("{m:?}"));
     }
     for (i, (messages, scan)) in together.iter().zip(&scans).enumerate() {
         let mut key = mechanism.key(40 + i, &sensor(SensorKind::Action));
@@ -152,7 +155,7 @@ fn ten_keys_share_a_chip() {
     let mut messages = Vec::new();
     let mut key = mechanism.key(40, &sensor(SensorKind::Action));
     let held = played(&mut mechanism, &mut key, &scans[0][..300]);
-    mechanism.let_go(&mut key, 0.3, &mut |m| messages.push(m));
+    mechanism.let_go(&mut key, 0.3, &Voice::USUAL, &mut |m| messages.push(m));
     assert_eq!((held.len(), messages.len()), (1, 1), "{held:?} {messages:?}");
     assert_eq!(messages[0].bytes()[..2], [0x80, 60]);
 }
