@@ -102,6 +102,53 @@
 #define ERARD_HALVING_NEVER 1
 
 /**
+ * ErardBoardSetup.kind: the sensors are under the keys of a real action, which move with their hammers. The motion of
+ * each simulated key is prescribed (as by ERARD_INPUT_RIGID).
+ */
+#define ERARD_BOARD_ACTION 0
+
+/**
+ * ErardBoardSetup.kind: the sensors are under switches or light keys without an action. A hand of 200 g with at most
+ * 60 N follows their depth (as by ERARD_INPUT_HAND).
+ */
+#define ERARD_BOARD_LIGHT 1
+
+/**
+ * ErardBoardSetup.sensor_law: travel in proportion to the reading.
+ */
+#define ERARD_SENSOR_LINEAR 0
+
+/**
+ * ErardBoardSetup.sensor_law: a reflective optical sensor CNY-70 under the back of a key.
+ */
+#define ERARD_SENSOR_CNY70 1
+
+/**
+ * ErardBoardSetup.sensor_law: a Hall sensor on the axis of a small magnet (`nearest_m`, `nearest_at_rest`).
+ */
+#define ERARD_SENSOR_HALL 2
+
+/**
+ * ErardBoardSetup.velocity_law: 52 + 25 log2(v), v in m/s, the convention of the command.
+ */
+#define ERARD_VELOCITY_USUAL 0
+
+/**
+ * ErardBoardSetup.velocity_law: `velocity_at_one` + `velocity_per_octave` log2(v), v in m/s.
+ */
+#define ERARD_VELOCITY_LOGARITHMIC 1
+
+/**
+ * ErardBoardSetup.velocity_law: in proportion to the speed, 127 at `velocity_full_m_per_s`.
+ */
+#define ERARD_VELOCITY_LINEAR 2
+
+/**
+ * Bytes of MIDI for which a call that plays keys needs room, for each key: eight messages.
+ */
+#define ERARD_BOARD_KEY_BYTES 48
+
+/**
  * Outcome of a call. Zero is success, above zero success with a remark, below zero an error. An error means that
  * nothing has changed; the one exception is erard_keyboard_step.
  */
@@ -188,6 +235,11 @@ typedef int32_t ErardStatus;
  * at a time.
  */
 typedef struct ErardAction ErardAction;
+
+/**
+ * Keys with sensors, in memory of the caller. One thread at a time may use it. It must stay where it was made.
+ */
+typedef struct ErardBoard ErardBoard;
 
 /**
  * Event detector: observes an action step by step and finds the events of one press. It belongs to the caller until
@@ -353,6 +405,176 @@ typedef struct ErardImpact {
    */
   double hammer_speed_m_per_s;
 } ErardImpact;
+
+/**
+ * What a board is made of. Zero is the usual choice of every field whose 0 says so.
+ */
+typedef struct ErardBoardSetup {
+  /**
+   * sizeof(ErardBoardSetup).
+   */
+  uint32_t struct_size;
+  /**
+   * The lowest key, from 1, the lowest A of a piano.
+   */
+  uint32_t first_key;
+  /**
+   * Number of keys, from the lowest on.
+   */
+  uint32_t key_count;
+  /**
+   * ERARD_BOARD_ACTION or ERARD_BOARD_LIGHT.
+   */
+  uint32_t kind;
+  /**
+   * ERARD_SENSOR_LINEAR, ERARD_SENSOR_CNY70 or ERARD_SENSOR_HALL; erard_board_sensor_table gives a law of your own.
+   */
+  uint32_t sensor_law;
+  /**
+   * Of a Hall sensor: 1 if sensor and magnet are nearest at the key's rest, 0 if at its bottom.
+   */
+  uint32_t nearest_at_rest;
+  /**
+   * ERARD_VELOCITY_USUAL, ERARD_VELOCITY_LOGARITHMIC or ERARD_VELOCITY_LINEAR; erard_board_velocity_table gives a
+   * law of your own.
+   */
+  uint32_t velocity_law;
+  /**
+   * Bits of a velocity: 7, or 14 with a controller 88 before each note; 0 is 7.
+   */
+  uint32_t velocity_bits;
+  /**
+   * MIDI channel, 0 to 15.
+   */
+  uint32_t channel;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+  /**
+   * Length of a step, s, 1 us to 1 ms. 0: 50 us; on a chip 250 us, in which every note is within one velocity of
+   * that in 50 us.
+   */
+  double step_s;
+  /**
+   * Travel of the sensed place between the key's two stops, m, 0.5 mm to 100 mm.
+   */
+  double travel_m;
+  /**
+   * Distance of the sensed place from the balance pin, m, on either side; 0: at the key's front.
+   */
+  double sensor_at_m;
+  /**
+   * Of a Hall sensor: distance from the magnet where they are nearest, m, 0.1 mm to 100 mm.
+   */
+  double nearest_m;
+  /**
+   * A reading that differs from the last accepted one by no more than this counts as equal, so that noise does not
+   * keep a resting key awake; 0: every change counts.
+   */
+  double still;
+  /**
+   * Velocity at 1 m/s, for ERARD_VELOCITY_LOGARITHMIC.
+   */
+  double velocity_at_one;
+  /**
+   * Velocities for twice the speed, positive, for ERARD_VELOCITY_LOGARITHMIC.
+   */
+  double velocity_per_octave;
+  /**
+   * The speed of velocity 127, m/s, positive, for ERARD_VELOCITY_LINEAR.
+   */
+  double velocity_full_m_per_s;
+  /**
+   * Upward speed of a key's front with which its note-off has velocity 64, m/s; 0: 0.2 m/s.
+   */
+  double release_m_per_s;
+} ErardBoardSetup;
+
+/**
+ * Readings at a key's two stops. In an array, set the size of the first element only: it holds for all.
+ */
+typedef struct ErardStops {
+  /**
+   * sizeof(ErardStops).
+   */
+  uint32_t struct_size;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+  /**
+   * The reading at rest.
+   */
+  double rest;
+  /**
+   * The reading with the key held at its bottom. If both readings are 0, the key has no sensor: its readings are
+   * ignored.
+   */
+  double pressed;
+  /**
+   * Result of erard_board_calibrate: standard deviation of readings at rest, as a share of the range. Not read.
+   */
+  double noise;
+  /**
+   * Result of erard_board_calibrate: drift at rest from first to last reading, as a share of the range. Not read.
+   */
+  double drift;
+} ErardStops;
+
+/**
+ * State of a board's key. Counts are of all readings since the board was made or reset.
+ */
+typedef struct ErardBoardKey {
+  /**
+   * sizeof(ErardBoardKey).
+   */
+  uint32_t struct_size;
+  /**
+   * 1 if its action is at a complete rest: it then takes no steps, whatever keys beside it do.
+   */
+  uint32_t asleep;
+  /**
+   * Keystrokes that were limited so that no hammer goes faster than 8 m/s.
+   */
+  uint32_t limited_strokes;
+  /**
+   * Motions from the rest by less than 0.5 mm, which are noise.
+   */
+  uint32_t flutters;
+  /**
+   * Times that the sensor stayed still between up and down for 10 s.
+   */
+  uint32_t stuck;
+  /**
+   * Times that the drift exceeded 15 % of the sensor's range, up to which it is followed.
+   */
+  uint32_t drifts_beyond;
+  /**
+   * Messages of the whole board that found no room: 0, but for actions that no piano has.
+   */
+  uint32_t lost_messages;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+  /**
+   * Readings deeper than the key goes.
+   */
+  double deep_readings;
+  /**
+   * Steps in which a number was not finite: the key stayed where it was.
+   */
+  double non_finite_steps;
+  /**
+   * The fastest hammer, m/s.
+   */
+  double fastest_hammer_m_per_s;
+  /**
+   * Present drift of the sensor's rest, as a share of its range.
+   */
+  double drift;
+} ErardBoardKey;
 
 /**
  * Progress function, called repeatedly during long work with the share done, 0 to 1 (NaN where the share is not
@@ -759,6 +981,117 @@ ErardStatus erard_action_set_halving(struct ErardAction *action, uint32_t kind);
  * time: no.
  */
 ErardStatus erard_keyboard_set_halving(struct ErardKeyboard *keyboard, uint32_t kind);
+
+/**
+ * Returns the number of bytes that a board of so many keys takes; 0 for no key or more than 88. Real time: yes.
+ */
+size_t erard_board_bytes(uint32_t key_count);
+
+/**
+ * Returns the alignment of a board's memory, bytes: memory of malloc has it, an array of double on every usual machine.
+ * Real time: yes.
+ */
+size_t erard_board_alignment(void);
+
+/**
+ * Makes a board in `memory` of `bytes` bytes (erard_board_bytes, erard_board_alignment), which stays the caller's and
+ * must not move. `stops` has an element for each key of the setup. `keyboard` is the text of a keyboard file (UTF-8,
+ * `length` bytes) whose base instrument is built in; NULL and 0 give the built-in concert grand, the only one on a
+ * chip, where all keys have the action of its middle C. Each key is pressed some times to find its limits: that takes
+ * a quarter of a second a key and core, and memory, which erard_board_free gives back; on a chip both are prepared.
+ * Returns the board, or NULL on failure: `status` (which may be NULL) receives the reason, and erard_last_error
+ * describes it. Real time: no.
+ */
+struct ErardBoard *erard_board_new(void *memory,
+                                   size_t bytes,
+                                   const struct ErardBoardSetup *setup,
+                                   const struct ErardStops *stops,
+                                   const char *keyboard,
+                                   size_t length,
+                                   ErardStatus *status);
+
+/**
+ * Gives back what erard_board_new took beside the caller's memory, which may then be used otherwise. NULL does
+ * nothing. Real time: no.
+ */
+void erard_board_free(struct ErardBoard *board);
+
+/**
+ * Gives the sensors of all keys a law of your own: `count` points, at least two, each the share of a reading's range
+ * and the share of the travel, both from 0 to 1, ascending. The points are not copied: they must last as long as the
+ * board, in flash, say. Call it before the first scan. Returns ERARD_STATUS_ARGUMENT for points that do not rise from
+ * {0, 0} to {1, 1}. Real time: yes.
+ */
+ErardStatus erard_board_sensor_table(struct ErardBoard *board, const double (*points)[2], size_t count);
+
+/**
+ * Gives the board a velocity law of your own: `count` points, at least two, each a hammer speed, m/s, and a velocity,
+ * 0 to 127, both ascending; straight lines between them in velocity and the logarithm of the speed. The points are not
+ * copied: they must last as long as the board. Returns ERARD_STATUS_ARGUMENT for points that do not rise. Real time:
+ * yes.
+ */
+ErardStatus erard_board_velocity_table(struct ErardBoard *board, const double (*points)[2], size_t count);
+
+/**
+ * Takes the readings of all keys at an instant, s on the scanner's clock: `count` readings, one for each key of the
+ * setup. Writes the resulting MIDI bytes, whole messages, to `midi`, which must have room for ERARD_BOARD_KEY_BYTES
+ * for each key, and their number to `length`. A note-on is written once its hammer has met the string, a note-off once
+ * the key, coming up, has set its damper down. After a gap of more than a second held notes end first, and nothing is
+ * simulated for it. Returns ERARD_STATUS_RANGE for an instant that is not after the last one, and
+ * ERARD_STATUS_NOT_FINITE for a reading that is no number. Real time: yes; the work is that of the time since the last
+ * scan for the keys that move, and nearly none for those at rest.
+ */
+ErardStatus erard_board_scan(struct ErardBoard *board,
+                             double time_s,
+                             const float *readings,
+                             size_t count,
+                             uint8_t *midi,
+                             size_t room,
+                             size_t *length);
+
+/**
+ * Takes the position of a pedal, 0 (up) to 1 (down), by its controller: 64 sustain, 66 sostenuto, 67 soft. Writes a
+ * controller's message to `midi`, which must have room for three bytes, if its value has changed, and the number of
+ * bytes to `length`. Returns ERARD_STATUS_ARGUMENT for another controller. Real time: yes.
+ */
+ErardStatus erard_board_pedal(struct ErardBoard *board,
+                              uint32_t controller,
+                              double down,
+                              uint8_t *midi,
+                              size_t room,
+                              size_t *length);
+
+/**
+ * Lets all keys go, whatever their sensors read, follows them to their rest, and lets the pedals up: no note is left.
+ * For the end, or a scanner that has stalled. Writes to `midi` and `length` as erard_board_scan does. Real time: yes;
+ * up to a second of every key that is not at rest is simulated.
+ */
+ErardStatus erard_board_let_go(struct ErardBoard *board, uint8_t *midi, size_t room, size_t *length);
+
+/**
+ * Puts a board back to where it was made, its laws as they are: keys at rest, no drift, nothing counted, a new clock,
+ * pedals up. Nothing is sent. Real time: yes.
+ */
+ErardStatus erard_board_reset(struct ErardBoard *board);
+
+/**
+ * Writes the state of a key to `state`; `key` counts from 1, the lowest A of a piano. Returns ERARD_STATUS_NO_SUCH for
+ * a key that is not one of the board's, or has no sensor. Real time: yes.
+ */
+ErardStatus erard_board_read(struct ErardBoard *board, uint32_t key, struct ErardBoardKey *state);
+
+/**
+ * Finds the stops of a key in `count` of its readings, `period_s` apart: the key was left at rest for half a second,
+ * pressed to its bottom, held there, and let go, as often as you like, as for `erard calibrate`. Writes them to
+ * `stops`. `key` is named in messages only. On failure returns ERARD_STATUS_ARGUMENT, and erard_last_error says why:
+ * too few readings, a reading that never changes, a range too small for its noise, a key that was never held. Real
+ * time: no, but nothing is allocated: a chip can call it, too (a second for ten seconds of readings).
+ */
+ErardStatus erard_board_calibrate(uint32_t key,
+                                  const float *readings,
+                                  size_t count,
+                                  double period_s,
+                                  struct ErardStops *stops);
 
 /**
  * Reads an instrument from the text of its file (UTF-8, `length` bytes). NULL and 0 give the built-in concert grand.

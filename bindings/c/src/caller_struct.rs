@@ -80,6 +80,17 @@ impl<T: CallerStruct> Place<T> {
 /// `at` is NULL, or an aligned struct that begins with its size and does not change during the call.
 #[inline]
 pub(crate) unsafe fn given<T: CallerStruct>(at: *const T) -> Result<T, ErardStatus> {
+    // SAFETY: `at` is NULL, or an array of one struct, by the contract of this function.
+    unsafe { given_nth(at, 0) }
+}
+
+/// Reads one of a caller's array of structs, all of which have the size that the first one states.
+///
+/// # Safety
+/// `at` is NULL, or an aligned array of more than `index` structs that begins with their size and does not change
+/// during the call.
+#[inline]
+pub(crate) unsafe fn given_nth<T: CallerStruct>(at: *const T, index: usize) -> Result<T, ErardStatus> {
     if at.is_null() {
         return Err(ErardStatus::Null);
     }
@@ -87,13 +98,13 @@ pub(crate) unsafe fn given<T: CallerStruct>(at: *const T) -> Result<T, ErardStat
     let bytes = unsafe { stated_bytes(at) }?;
     let known = bytes.min(size_of::<T>());
     let mut value = T::default();
-    // SAFETY: `at` begins `bytes` initialised bytes, by the contract of this function; `value` has room for `known` of
-    // them, and every bit pattern is one of its values.
+    // SAFETY: `at` begins more than `index` times `bytes` initialised bytes, by the contract of this function; `value`
+    // has room for `known` of them, and every bit pattern is one of its values.
     let unknown = unsafe {
-        let own = (&raw mut value).cast::<u8>();
-        core::ptr::copy_nonoverlapping(at.cast::<u8>(), own, known);
+        let (own, from) = ((&raw mut value).cast::<u8>(), at.cast::<u8>().add(index * bytes));
+        core::ptr::copy_nonoverlapping(from, own, known);
         own.cast::<u32>().write(size_of::<T>() as u32);
-        core::slice::from_raw_parts(at.cast::<u8>().add(known), bytes - known)
+        core::slice::from_raw_parts(from.add(known), bytes - known)
     };
     if unknown.iter().any(|byte| *byte != 0) {
         return Err(ErardStatus::Struct);

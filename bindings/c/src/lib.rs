@@ -2,10 +2,12 @@
 //! (WebAssembly).
 //!
 //! cbindgen makes `include/erard.h` from this source (`tests/header.rs` checks it); the README beside it is the
-//! contract: ownership, allocation, and what may be called in real time. No physics is here: it calls `erard` and, with
-//! the default feature `workshop`, `erard-workshop` and `erard-figures`.
+//! contract: ownership, allocation, and what may be called in real time. No physics is here: it calls `erard`,
+//! `erard-live` and, with the default feature `workshop`, `erard-workshop` and `erard-figures`.
 
 mod action;
+mod board;
+mod board_keys;
 mod caller_struct;
 mod event_detector;
 // A simulator loads a unit as a library of its own platform.
@@ -14,6 +16,7 @@ mod fmi;
 mod halving;
 mod instrument;
 mod keyboard;
+mod outcome;
 mod play;
 mod reading;
 mod status;
@@ -24,6 +27,7 @@ mod version;
 mod workshop;
 
 pub use action::*;
+pub use board::*;
 pub use event_detector::*;
 pub use halving::*;
 pub use instrument::*;

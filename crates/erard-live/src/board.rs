@@ -254,8 +254,8 @@ impl Pedals {
 
     /// Takes the position of a pedal, 0 (up) to 1 (down), by its controller; returns the message to send if its value
     /// has changed.
-    pub fn take(&mut self, controller: u8, down: f64) -> Option<Message> {
+    pub fn take(&mut self, channel: u8, controller: u8, down: f64) -> Option<Message> {
         let (_, pedal) = self.0.iter_mut().find(|(own, _)| *own == controller)?;
-        pedal.update(down).map(|value| Message::controller(0, controller, value))
+        pedal.update(down).map(|value| Message::controller(channel, controller, value))
     }
 }

@@ -12,8 +12,8 @@
 //!
 //! Without the feature `std` (on by default) the crate contains the parts for a microcontroller, without a heap and
 //! also in single precision: [`sensor`], [`converter`], [`stops`], [`sensed`], [`sensing`], [`contacts`], [`hammers`]
-//! and [`board`]. A stream's keys go through the same code. With the feature `actions` alone the actions of `erard` move
-//! under sensed keys, and there is neither text nor file: `liberard` is built so.
+//! and [`board`]. A stream's keys go through the same code. With the feature `actions` alone the actions of `erard`
+//! move under sensed keys, and there is neither text nor file: `liberard` is built so.
 //!
 //! SI units, except for files, which use millimetres; key and finger positive downward, the hammer upward.
 

@@ -2,14 +2,16 @@
 
 use std::path::Path;
 
-const SOURCES: [&str; 11] = [
+const SOURCES: [&str; 13] = [
     "version.rs",
+    "outcome.rs",
     "status.rs",
     "text.rs",
     "reading.rs",
     "action.rs",
     "keyboard.rs",
     "halving.rs",
+    "board.rs",
     "instrument.rs",
     "workshop.rs",
     "event_detector.rs",

@@ -2,6 +2,7 @@
 
 mod attack;
 mod bad_callers;
+mod board;
 mod exact;
 mod fmi;
 mod fmi_keyboard;

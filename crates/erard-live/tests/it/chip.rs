@@ -176,9 +176,9 @@ fn a_switch_presses_through_a_hand() {
 #[test]
 fn pedals_are_controllers() {
     let mut pedals = Pedals::up();
-    assert_eq!(pedals.take(message::SUSTAIN, 0.0), None);
-    assert_eq!(pedals.take(message::SUSTAIN, 1.0).unwrap().bytes(), [0xB0, 64, 127]);
-    assert_eq!((pedals.take(message::SUSTAIN, 1.0), pedals.take(1, 1.0)), (None, None));
+    assert_eq!(pedals.take(0, message::SUSTAIN, 0.0), None);
+    assert_eq!(pedals.take(0, message::SUSTAIN, 1.0).unwrap().bytes(), [0xB0, 64, 127]);
+    assert_eq!((pedals.take(0, message::SUSTAIN, 1.0), pedals.take(0, 1, 1.0)), (None, None));
 }
 
 /// What firmware has compiled in is what the example writes.
