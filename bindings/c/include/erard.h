@@ -988,8 +988,8 @@ ErardStatus erard_keyboard_set_halving(struct ErardKeyboard *keyboard, uint32_t 
 size_t erard_board_bytes(uint32_t key_count);
 
 /**
- * Returns the alignment of a board's memory, bytes: memory of malloc has it, an array of double on every usual machine.
- * Real time: yes.
+ * Returns the alignment of a board's memory, bytes: memory of malloc has it, and so has an array of double on every
+ * usual machine. Real time: yes.
  */
 size_t erard_board_alignment(void);
 

@@ -2,6 +2,7 @@
 //! too (`bindings/firmware`): what differs there is `board_keys.rs`, the keys' actions.
 
 use core::ffi::{c_char, c_void};
+use core::ops::RangeInclusive;
 use core::ptr::null_mut;
 
 use erard_live::SensorKind;
@@ -13,7 +14,7 @@ use erard_live::stops::Seen;
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
 use erard_midi::{KEYS, Law, Message, ReleaseLaw, Resolution};
 
-use crate::board_keys::{Asked, BoardKey, Shared, make};
+use crate::board_keys::{BoardKey, Shared, make};
 use crate::caller_struct::{CallerStruct, Place, given, given_nth};
 use crate::outcome::ErardStatus;
 use crate::status::{Fault, quick, tell, told};
@@ -241,6 +242,18 @@ pub struct ErardBoard {
     key_count: usize,
 }
 
+/// What a board is asked for, checked.
+pub(crate) struct Asked {
+    /// Its keys, from 1.
+    pub keys: RangeInclusive<usize>,
+    /// Their sensors; stops and `front_per_sensed` are not known.
+    pub sensor: Sensor,
+    /// Length of a step, s; `None` for the usual one.
+    pub step_s: Option<f64>,
+    /// Distance of the sensed place from the balance pin, m; `None` at the key's front.
+    pub sensor_at_m: Option<f64>,
+}
+
 /// Where the keys begin in a board's memory, bytes.
 const KEYS_AT: usize = size_of::<ErardBoard>().next_multiple_of(align_of::<Option<BoardKey>>());
 /// The alignment of its memory, bytes.
@@ -370,7 +383,7 @@ fn within(number: f64, [low, high]: [f64; 2], what: &'static str) -> Result<f64,
 
 impl ErardBoardSetup {
     /// The numbers of the keys; none outside a piano.
-    fn keys(&self) -> Result<core::ops::RangeInclusive<usize>, Fault> {
+    fn keys(&self) -> Result<RangeInclusive<usize>, Fault> {
         let (first, count) = (self.first_key as usize, self.key_count as usize);
         if first == 0 || count == 0 || first > KEYS || count > KEYS + 1 - first {
             return Err(refused(ErardStatus::NoSuch, "first_key and key_count; expected keys from 1 to 88"));
@@ -468,8 +481,8 @@ pub extern "C" fn erard_board_bytes(key_count: u32) -> usize {
     if (1..=KEYS).contains(&count) { KEYS_AT + count * size_of::<Option<BoardKey>>() } else { 0 }
 }
 
-/// Returns the alignment of a board's memory, bytes: memory of malloc has it, an array of double on every usual machine.
-/// Real time: yes.
+/// Returns the alignment of a board's memory, bytes: memory of malloc has it, and so has an array of double on every
+/// usual machine. Real time: yes.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_board_alignment() -> usize {
     ALIGNMENT

@@ -1,7 +1,6 @@
 //! The keys of a board: actions of `erard`, each its own instrument's.
 
 use std::ffi::c_char;
-use std::ops::RangeInclusive;
 use std::path::Path;
 
 use erard::damper::DamperHeights;
@@ -17,23 +16,12 @@ use erard_live::sensing::{Sensing, Sensor, Voice};
 use erard_live::sensor::FixedLaw;
 use erard_midi::{Message, note_of_key};
 
+use crate::board::Asked;
 use crate::instrument::{builtin_keyboard, file_fault};
 use crate::outcome::ErardStatus;
 use crate::play::settings;
 use crate::status::Fault;
 use crate::text::bytes;
-
-/// What a board is asked for, checked.
-pub(crate) struct Asked {
-    /// Its keys, from 1.
-    pub keys: RangeInclusive<usize>,
-    /// Their sensors; stops and `front_per_sensed` are not known.
-    pub sensor: Sensor,
-    /// Length of a step, s; `None` for the usual one.
-    pub step_s: Option<f64>,
-    /// Distance of the sensed place from the balance pin, m; `None` at the key's front.
-    pub sensor_at_m: Option<f64>,
-}
 
 /// What all keys share: nothing.
 pub(crate) struct Shared;

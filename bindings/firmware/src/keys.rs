@@ -32,14 +32,7 @@ impl<T: Scalar> Keys<T> {
     /// # Errors
     /// None, for the instrument that is compiled in; another one may have a number that is not sound.
     pub fn new(step_s: f64) -> Result<Self, ModelError> {
-        let outline = Outline {
-            rest: grand::REST,
-            hammer: (grand::HAMMER, grand::HAMMER_POINT),
-            string: grand::STRING,
-            limits: LIMITS,
-            damper_m: grand::DAMPER_M,
-        };
-        Ok(Keys(BoardMechanism::new(crate::model()?, outline, step_s)?))
+        Ok(Keys(mechanism(step_s)?))
     }
 
     /// A key at rest, its number from the lowest A, 1, with its sensor under the front of a real action's key.
@@ -64,4 +57,18 @@ impl<T: Scalar> Keys<T> {
     pub fn let_go(&mut self, key: &mut Key<T>, time_s: f64, send: &mut dyn FnMut(Message)) {
         self.0.let_go(key, time_s, &Voice::USUAL, send);
     }
+}
+
+/// The built-in grand's action, in steps of `step_s`.
+pub(crate) fn mechanism<T: Scalar>(
+    step_s: f64,
+) -> Result<BoardMechanism<T, BODIES, ZONES, { grand::LAWS }>, ModelError> {
+    let outline = Outline {
+        rest: grand::REST,
+        hammer: (grand::HAMMER, grand::HAMMER_POINT),
+        string: grand::STRING,
+        limits: LIMITS,
+        damper_m: grand::DAMPER_M,
+    };
+    BoardMechanism::new(crate::model()?, outline, step_s)
 }

@@ -5,6 +5,12 @@
 
 #![no_std]
 
+// The C interface of boards is that of `liberard`, from the same source.
+#[path = "../../c/src/board.rs"]
+mod board;
+mod board_keys;
+#[path = "../../c/src/caller_struct.rs"]
+mod caller_struct;
 #[path = "../../../crates/erard/src/fnv1a.rs"]
 mod fnv1a;
 // Generated: a test compares it with what the example prints.
@@ -13,12 +19,17 @@ mod grand;
 #[rustfmt::skip]
 mod keyboard;
 mod keys;
+#[path = "../../c/src/outcome.rs"]
+mod outcome;
 mod play;
 mod scan;
+mod status;
 
+pub use board::*;
 pub use grand::{BODIES, ZONES};
 pub use keyboard::{FRAMES, KEYS, PERIOD_S};
 pub use keys::{Key, Keys, LONG_STEP_S, LOWEST_KEY};
+pub use outcome::ErardStatus;
 pub use play::{Note, STEP_S, STEPS, Work, digest, play};
 pub use scan::{Scanned, reading};
 

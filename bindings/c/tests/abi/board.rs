@@ -91,8 +91,8 @@ fn press(force_n: f64) -> Vec<f64> {
 }
 
 /// Scans of three keys: instant, us, and readings of whole counts, with noise of a count either way. A chord at three
-/// levels, a repetition, a key that is down at once as no hand puts it there, a gap of 1.5 s while it is held, and a key
-/// that is held at the end.
+/// levels, a repetition, a key that is down at once as no hand puts it there, a gap of 1.5 s while it is held, and a
+/// key that is held at the end.
 fn scans() -> Vec<(u32, [f32; KEYS])> {
     let presses = [2.0, 6.0, 20.0].map(press);
     let at = |press: &[f64], frame: u32, from: u32| {
