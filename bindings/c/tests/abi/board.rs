@@ -173,6 +173,19 @@ fn live(stream: &str) -> Vec<u8> {
     bytes
 }
 
+/// What the example in C, linked with a library, sends for a file.
+fn example(folder: &Path, library: &Path, readings: &Path) -> Vec<u8> {
+    let (program, root) = (folder.join("board"), env!("CARGO_MANIFEST_DIR"));
+    let mut cc = Command::new("cc");
+    cc.args(["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"]);
+    cc.arg(format!("-I{root}/include")).arg(format!("{root}/examples/board.c")).arg(library);
+    run(cc.args(["-lpthread", "-ldl", "-lm", "-o"]).arg(&program));
+    let stdin = Stdio::from(std::fs::File::open(readings).unwrap());
+    let output = Command::new(&program).stdin(stdin).output().expect("it runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    output.stdout
+}
+
 /// The example in C sends the bytes of the command, byte for byte: a chord, a repetition, a keystroke that is limited
 /// to 8 m/s, a gap in the stream, a key that is held at the end.
 #[test]
@@ -198,16 +211,7 @@ fn the_example_sends_the_bytes_of_the_command() {
 
     // From C.
     if has("cc") {
-        let program = folder.path().join("board");
-        let mut cc = Command::new("cc");
-        cc.args(["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic", "-I"]);
-        cc.arg(format!("{}/include", env!("CARGO_MANIFEST_DIR")));
-        cc.arg(format!("{}/examples/board.c", env!("CARGO_MANIFEST_DIR"))).arg(library("liberard_c.a"));
-        run(cc.args(["-lpthread", "-ldl", "-lm", "-o"]).arg(&program));
-        let stdin = Stdio::from(std::fs::File::open(&readings).unwrap());
-        let output = Command::new(&program).stdin(stdin).output().expect("it runs");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        assert_eq!(output.stdout, expected, "the example");
+        assert_eq!(example(folder.path(), &library("liberard_c.a"), &readings), expected, "the example");
     }
 
     // The command itself, where it was built beside this test.
@@ -418,5 +422,43 @@ fn stops_are_those_of_the_command() {
         let before = stops;
         assert_eq!(calibrate(readings, &mut stops), ErardStatus::Argument);
         assert!(last_error().contains(word) && stops == before, "{word}: {}", last_error());
+    }
+}
+
+mod nightly {
+    use super::*;
+
+    /// The messages of a note: kinds and velocities.
+    fn of_note(bytes: &[u8], note: u8) -> Vec<[u8; 2]> {
+        bytes.chunks(3).filter(|message| message[1] == note).map(|message| [message[0], message[2]]).collect()
+    }
+
+    /// The same example with the same header, linked with the library for chips, which is compiled for this machine: in
+    /// single precision and steps of 250 us, without a heap, it sends the same notes; those of a middle C, whose action
+    /// is its only one, within one of the velocities.
+    #[test]
+    #[ignore = "nightly: compiles the library for chips"]
+    fn the_library_for_chips_sends_the_same_notes() {
+        if !has("cc") {
+            return;
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        cargo.args(["rustc", "--release", "--lib", "--crate-type", "staticlib", "--manifest-path"]);
+        cargo.arg(format!("{}/../firmware/Cargo.toml", env!("CARGO_MANIFEST_DIR")));
+        run(cargo.arg("--target-dir").arg(folder.path()));
+        let (text, readings) = (stream(&scans()), folder.path().join("readings.csv"));
+        std::fs::write(&readings, &text).unwrap();
+        let archive = folder.path().join("release/liberard_firmware.a");
+        let (found, expected) = (example(folder.path(), &archive, &readings), live(&text));
+        for note in 60..63 {
+            let [found, expected] = [&found, &expected].map(|bytes| of_note(bytes, note));
+            println!("{note}: {found:02x?} {expected:02x?}");
+            let kinds = |all: &[[u8; 2]]| all.iter().map(|[kind, _]| *kind).collect::<Vec<_>>();
+            assert_eq!(kinds(&found), kinds(&expected), "note {note}");
+            let ons = found.iter().zip(&expected).filter(|(one, _)| one[0] == 0x90);
+            let farthest = ons.map(|(one, other)| one[1].abs_diff(other[1])).max();
+            assert!(note != 60 || farthest <= Some(1), "note {note}: {found:?} {expected:?}");
+        }
     }
 }
