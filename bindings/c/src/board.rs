@@ -332,8 +332,8 @@ impl ErardBoard {
     fn reset(&mut self) -> ErardStatus {
         (self.clock, self.pedals, self.lost_messages) = (ScanClock::default(), Pedals::up(), 0);
         let (shared, _, keys) = self.parts();
-        let are_reset = keys.iter_mut().flatten().fold(true, |all, key| key.reset(shared) && all);
-        if are_reset { ErardStatus::Ok } else { ErardStatus::Internal }
+        let faults = keys.iter_mut().flatten().map(|key| key.reset(shared)).filter(|is_reset| !is_reset).count();
+        if faults == 0 { ErardStatus::Ok } else { ErardStatus::Internal }
     }
 
     /// Plays into the caller's room, and tells how much of it was used.
