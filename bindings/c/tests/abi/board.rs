@@ -253,7 +253,7 @@ fn a_refused_call_changes_nothing() {
     let mut state = ErardBoardKey::default();
     let found = unsafe {
         [
-            (scan(0.149, good, KEYS, bytes, ROOM, at), ErardStatus::Range),
+            (scan(PERIOD_S * 149.0, good, KEYS, bytes, ROOM, at), ErardStatus::Range),
             (scan(-1.0, good, KEYS, bytes, ROOM, at), ErardStatus::Range),
             (scan(f64::NAN, good, KEYS, bytes, ROOM, at), ErardStatus::NotFinite),
             (scan(1.0, bad.as_ptr(), KEYS, bytes, ROOM, at), ErardStatus::NotFinite),
