@@ -206,11 +206,11 @@ fn an_imposed_motion_is_an_actions() {
 
 /// Wherever a key is left, it comes to a complete rest and sleeps within a second and a half: let go, held by a
 /// constant force of up to 40 N, or under a soft finger that stays at any depth down to 14 mm (pushing some 80 N at the
-/// bottom). Nothing makes it do so but dry friction, which holds: velocities become exactly zero.
+/// bottom). Nothing makes it do so but dry friction, which holds: velocities become exactly zero, or, at the very limit
+/// of friction, so small and constant that no angle changes by a bit.
 ///
-/// Exceptions are allowed, one key in twenty, whose friction holds at its very limit: rounding lets it slip and stick
-/// by turns. A bend that is wound up slowly ends there. Its velocities stay below 1e-12 rad/s, so that no angle changes
-/// by a bit.
+/// Exceptions are allowed, one key in twenty, whose small velocities alternate by rounding. They stay below 1e-12
+/// rad/s.
 #[test]
 fn every_key_comes_to_rest() {
     come_to_rest(2);
