@@ -23,6 +23,9 @@ pub(crate) struct Stroke {
     /// How a recording was prepared, and remarks on how the stroke drives the key.
     #[pyo3(get)]
     notes: Vec<String>,
+    /// Preparation of its recording as JSON, the `preparation` of the command's results.
+    #[pyo3(get)]
+    preparation: Option<String>,
 }
 
 /// Returns the prescribed quantity, by its name.
@@ -127,7 +130,7 @@ impl Stroke {
             }
             Some(made) => {
                 let (inner, note) = made.map_err(wrong)?;
-                Ok(Stroke { inner: Arc::new(inner), notes: note.into_iter().map(str::to_owned).collect() })
+                Ok(Stroke { notes: note.into_iter().map(str::to_owned).collect(), ..Self::of(inner) })
             }
         }
     }
@@ -140,7 +143,8 @@ impl Stroke {
         let (inner, note) = Inner::recorded(title, series, position_of, drive).map_err(wrong)?;
         let mut notes = recording.preparation_notes();
         notes.extend(note.map(str::to_owned));
-        Ok(Stroke { inner: Arc::new(inner), notes })
+        let preparation = Some(recording.prepared.report.json().to_string());
+        Ok(Stroke { inner: Arc::new(inner), notes, preparation })
     }
 
     #[getter]
@@ -166,6 +170,6 @@ impl Stroke {
 
 impl Stroke {
     fn of(inner: Inner) -> Self {
-        Stroke { inner: Arc::new(inner), notes: Vec::new() }
+        Stroke { inner: Arc::new(inner), notes: Vec::new(), preparation: None }
     }
 }

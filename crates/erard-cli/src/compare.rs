@@ -1,7 +1,7 @@
 //! A comparison in numbers: printed, and as `compare.json`.
 
 use erard::parameter::Quantity;
-use erard::recording::{ChannelReport, Report, Whence};
+use erard::recording::Report;
 use erard_workshop::compare::{Band, Comparison, Errors, ForceUncertainty, RATE_HZ, Trial, outcome, share};
 use erard_workshop::digits::plain;
 use serde_json::{Value, json};
@@ -111,34 +111,11 @@ pub(crate) fn report(c: &Comparison, prepared: &Report, measured: &str, instrume
         "measured": measured,
         "instrument": instrument,
         "position_of": c.position_of.name(),
-        "preparation": prepared.channels.iter().map(prepared_channel).collect::<Value>(),
+        "preparation": prepared.json(),
         "verdicts": c.verdicts(),
         "notes": c.notes,
         "warnings": warnings.collect::<Value>(),
         "findings": findings(c).iter().map(finding).collect::<Value>(),
-    })
-}
-
-/// What was done to a channel before it was used: ranges and zeros in SI units, what it reports of in Hz.
-pub(crate) fn prepared_channel(channel: &ChannelReport) -> Value {
-    let noise_from = channel.noise.map(|noise| match noise.whence {
-        Whence::Rest => "rest",
-        Whence::Spectrum => "spectrum",
-    });
-    json!({
-        "channel": channel.role.name(),
-        "range": [channel.range.0, channel.range.1],
-        "rate_Hz": channel.rate_hz,
-        "empty_rows": channel.gaps.rows,
-        "zero": channel.zero.map(|zero| zero.offset).or(channel.stated_zero),
-        "rest_until_s": channel.zero.map(|zero| zero.until_s),
-        "inverted": channel.inverted,
-        "late_s": channel.late_s,
-        "noise_rms": channel.noise.map(|noise| noise.rms),
-        "noise_from": noise_from,
-        "tells_to_Hz": channel.band_hz,
-        "low_pass_Hz": channel.low_pass.map(|filter| filter.cutoff_hz),
-        "low_pass_order": channel.low_pass.map(|filter| filter.order),
     })
 }
 

@@ -7,6 +7,7 @@ use std::fmt::Write;
 
 use clap::{ArgMatches, Command};
 use erard_figures::made_by::{MadeBy, Source};
+use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 /// The commit that the program was built from, where that was known; a `+`: changed since.
@@ -83,9 +84,26 @@ impl Provenance {
     }
 
     fn push(&mut self, kind: &str, name: &str, file: Option<&str>, sha256: Option<String>) {
-        let source = Source { kind: kind.into(), name: name.into(), file: file.map(str::to_owned), sha256 };
-        if !self.sources.contains(&source) {
+        let file = file.map(str::to_owned);
+        let source = Source { kind: kind.into(), name: name.into(), file, sha256, preparation: None };
+        if !self.sources.iter().any(|own| Source { preparation: None, ..own.clone() } == source) {
             self.sources.push(source);
+        }
+    }
+
+    /// Remembers what was done to a recording that was read, by its name. A recording that was prepared in two ways
+    /// stands there twice.
+    pub(crate) fn prepared(&mut self, name: &str, preparation: Value) {
+        let is_own = |source: &Source| source.kind == "recording" && source.name == name;
+        if self.sources.iter().any(|source| is_own(source) && source.preparation.as_ref() == Some(&preparation)) {
+            return;
+        }
+        let Some(first) = self.sources.iter_mut().find(|source| is_own(source)) else { return };
+        if first.preparation.is_none() {
+            first.preparation = Some(preparation);
+        } else {
+            let again = Source { preparation: Some(preparation), ..first.clone() };
+            self.sources.push(again);
         }
     }
 

@@ -37,6 +37,10 @@ pub struct Source {
     /// SHA-256 of its bytes, in hexadecimal digits: that of the file, as `sha256sum` prints it. `None` for what has
     /// none, such as a constant force.
     pub sha256: Option<String>,
+    /// What was done to a recording before it was played, channel by channel: zero, resampling, low-pass. Left out for
+    /// other sources.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preparation: Option<serde_json::Value>,
 }
 
 impl MadeBy {
@@ -144,7 +148,13 @@ mod tests {
             commit: Some("0123abc".into()),
             command: "erard press --stroke 'a<b & \"c\"'".into(),
             options: BTreeMap::from([("stroke".to_owned(), vec!["</script>".to_owned()])]),
-            sources: vec![Source { kind: "stroke".into(), name: "é".into(), file: None, sha256: Some("00".into()) }],
+            sources: vec![Source {
+                kind: "stroke".into(),
+                name: "é".into(),
+                file: None,
+                sha256: Some("00".into()),
+                preparation: None,
+            }],
         }
     }
 

@@ -5,7 +5,6 @@ use erard_workshop::compare::MAX_DURATION_S;
 use serde_json::{Value, json};
 
 use super::checked::checked;
-use crate::compare::prepared_channel;
 use crate::print_line;
 use crate::recordings::Ready;
 use crate::session::Session;
@@ -66,7 +65,7 @@ pub(super) fn told(session: &mut Session, ready: &Ready) -> Value {
         "position_of": position_of.name(),
         "columns": recording.layout.columns.iter().map(column).collect::<Value>(),
         "not_used": recording.layout.unused,
-        "channels": prepared.report.channels.iter().map(prepared_channel).collect::<Value>(),
+        "channels": prepared.report.json(),
         "warnings": warnings,
     });
     checked

@@ -306,6 +306,7 @@ impl StrokeOptions {
             Some(path) => {
                 let Ready { name, prepared, position_of, .. } = self.recording.load(session, path)?;
                 notes = prepared.report.told();
+                session.provenance.prepared(&name, prepared.report.json());
                 *noise = PathNoise::of(&prepared.report).zip(prepared.report.rest_until_s());
                 Stroke::recorded(name, prepared.series, position_of, self.drive)
             }

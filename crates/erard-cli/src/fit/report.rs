@@ -3,8 +3,6 @@
 use erard_workshop::fit::{FitResult, Problem};
 use serde_json::{Value, json};
 
-use crate::compare::prepared_channel;
-
 /// fit.json. Parameters are in SI units; of what was varied a factor or, of screws, how far they are turned.
 pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> Value {
     let recordings = problem.recordings().iter().zip(&found.noise.drive_sigma).map(|(one, sigma)| {
@@ -13,7 +11,7 @@ pub(crate) fn report(found: &FitResult, problem: &Problem, instrument: &str) -> 
             "drive": one.stroke.drive.name(),
             "samples": one.rows() * one.columns.len(),
             "drive_noise": sigma,
-            "preparation": one.driven.report.channels.iter().map(prepared_channel).collect::<Value>(),
+            "preparation": one.driven.report.json(),
         })
     });
     let parameters = found.values().enumerate().map(|(k, (one, value, std))| {

@@ -475,3 +475,54 @@ fn a_computed_force_has_no_zero() {
     let summary: Value = serde_json::from_str(&folder.read("erard-out/summary.json")).unwrap();
     assert!(summary["hammer_speed_m_per_s"].as_f64().is_none_or(|zeroed| zeroed < 0.9 * speed), "{summary}");
 }
+
+/// What was done to a recording stands in the results of every command that plays it, as in `compare.json`: its zero,
+/// the clock on which it was resampled, its low-pass. A computed force was left alone, and that stands there, too.
+#[test]
+fn results_hold_what_was_done_to_a_recording() {
+    let folder = Folder::new("recordings-preparation");
+    let mut noise = Noise(3);
+    let force = |t: f64| if t < 0.1 { 0.0 } else { 6.0 * ((t - 0.1) / 0.02).min(1.0) };
+    // A clock of 4 kHz whose instants are up to a third of a step late.
+    let text: String = (0..1200).fold("time_s,force_N\n".into(), |mut text, n| {
+        let t = (f64::from(n) + 0.33 * f64::from(n % 7) / 6.0) / 4000.0;
+        let _ = writeln!(text, "{t:.7},{:.6}", force(t) + 0.12 + 0.02 * noise.next());
+        text
+    });
+    folder.file("noisy.csv", &text);
+    let rows = (0..300).map(|n| format!("{},{}\n", f64::from(n) * 1e-3, if n < 100 { 5 } else { 8 }));
+    folder.file("computed.csv", &format!("time_s,force_N\n{}", rows.collect::<String>()));
+    let json = |name: &str| -> Value { serde_json::from_str(&folder.read(name)).unwrap() };
+    let of = |name: &str| -> Value {
+        let made_by = json(name)["made_by"].clone();
+        let sources = made_by["sources"].as_array().unwrap();
+        sources.iter().find(|source| source["kind"] == "recording").unwrap()["preparation"].clone()
+    };
+    let output = folder.erard(&["press", "noisy.csv", "--duration", "0.2", "--out", "run"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && said.contains("resampled: evenly at") && said.contains("low-pass"), "{said}");
+    let study = ["study", "noisy.csv", "--vary", "let_off=+0mm,0.1mm", "--duration", "0.2", "--out", "study"];
+    folder.good(&study);
+    folder.good(&["compare", "noisy.csv", "--model", "one-dof", "--no-pictures", "--out", "compared"]);
+    let done = of("run/summary.json");
+    assert_eq!(done, of("run/run.csv-metadata.json"));
+    assert_eq!(done, of("study/study.csv-metadata.json"));
+    assert_eq!(done, json("compared/compare.json")["preparation"]);
+    let [channel] = &done.as_array().unwrap()[..] else { panic!("{done}") };
+    // The mean of some 400 samples of rest is off by a twentieth of their noise; allow four times that.
+    let zero = channel["zero"].as_f64().unwrap();
+    assert!((zero - 0.12).abs() < 4.0 * 0.02 / 20.0, "{channel}");
+    // Two samples of white noise, averaged by straight lines, have between 1/sqrt(2) of it and all of it.
+    let noise_n = channel["noise_rms"].as_f64().unwrap();
+    assert!((0.7 * 0.02..1.1 * 0.02).contains(&noise_n), "{channel}");
+    // The even clock is as fine as the usual step: six of seven are longer than the mean.
+    let rate_hz = channel["resampled_Hz"].as_f64().unwrap();
+    let usual_hz = 4000.0 / (1.0 + 0.33 / 6.0);
+    assert!((rate_hz - usual_hz).abs() < 0.01 * usual_hz, "{channel}");
+    assert!(channel["low_pass_Hz"].as_f64().is_some_and(|hz| hz < 0.5 * rate_hz), "{channel}");
+    folder.good(&["press", "computed.csv", "--duration", "0.2", "--out", "computed"]);
+    let done = of("computed/summary.json");
+    for key in ["zero", "resampled_Hz", "low_pass_Hz"] {
+        assert!(done[0][key].is_null(), "{key}: {done}");
+    }
+}

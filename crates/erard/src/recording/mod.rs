@@ -160,7 +160,7 @@ impl Samples {
             values.iter_mut().for_each(|value| *value = -*value);
         }
         let late_s: f64 =
-            preparation.late_s.iter().filter(|(role, _)| *role == channel.role).map(|(_, late)| late).sum();
+            preparation.late_s.iter().filter(|(role, _)| *role == channel.role).fold(0.0, |sum, (_, late)| sum + late);
         if late_s != 0.0 {
             times.iter_mut().for_each(|time| *time -= late_s);
         }
@@ -198,7 +198,13 @@ impl Samples {
         }
         let rate_hz = (count - 1.0) / (end - begin);
         let even_times: Vec<f64> = (0..count as usize).map(|n| begin + n as f64 / rate_hz).collect();
-        noise::noise(&interpolated(&self.times, &self.values, &even_times), rate_hz, self.rest).is_none()
+        let rest = self.rest_on(&even_times);
+        noise::noise(&interpolated(&self.times, &self.values, &even_times), rate_hz, rest).is_none()
+    }
+
+    /// Samples of the rest on another clock.
+    fn rest_on(&self, times: &[f64]) -> usize {
+        self.rest_ends_s().map_or(0, |end_s| times.partition_point(|t| *t <= end_s))
     }
 
     /// Everything that is to be done; instants, values and the report on it.
@@ -240,13 +246,13 @@ impl Samples {
         let rate_hz = (count - 1.0) / (last - first);
         report.rate_hz = rate_hz;
         let even_times: Vec<f64> = (0..count as usize).map(|n| first + n as f64 / rate_hz).collect();
-        let even = if is_even && count as usize == values.len() {
-            values.clone()
+        let (even, rest) = if is_even && count as usize == values.len() {
+            (values.clone(), self.rest)
         } else {
-            interpolated(&self.times, &values, &even_times)
+            (interpolated(&self.times, &values, &even_times), self.rest_on(&even_times))
         };
         if may_be_even {
-            report.noise = noise::noise(&even, rate_hz, self.rest);
+            report.noise = noise::noise(&even, rate_hz, rest);
             report.band_hz = report.noise.map(|noise| noise::band(&even, rate_hz, &noise));
         }
         report.told(&values);
@@ -264,8 +270,11 @@ impl Samples {
         })?;
         report.low_pass = Some(Filtered { order: preparation.order, cutoff_hz });
         let filtered = filter.forth_and_back(&even);
-        let times = if is_even && even_times.len() == self.times.len() { self.times.clone() } else { even_times };
-        Ok((times, filtered, report))
+        if is_even && even_times.len() == self.times.len() {
+            return Ok((self.times.clone(), filtered, report));
+        }
+        report.resampled_hz = Some(rate_hz);
+        Ok((even_times, filtered, report))
     }
 }
 

@@ -1,5 +1,7 @@
 //! The report of a recording: its changes and remarks, as data and in words.
 
+use serde_json::{Value, json};
+
 use crate::stroke::{Gaps, Role};
 
 use super::noise::{Noise, Whence, range};
@@ -62,6 +64,9 @@ pub struct ChannelReport {
     pub band_hz: Option<f64>,
     /// The low-pass.
     pub low_pass: Option<Filtered>,
+    /// Rate of the even clock on which the samples were interpolated by straight lines, Hz; `None` where the recorded
+    /// samples themselves are used. Only a low-pass needs an even clock.
+    pub resampled_hz: Option<f64>,
     /// Whether the channel moves opposite to a key, so that its sign is probably reversed.
     pub looks_inverted: bool,
     /// First value, N or m, if it is far from zero and no zero was subtracted.
@@ -91,6 +96,7 @@ impl ChannelReport {
             noise: None,
             band_hz: None,
             low_pass: None,
+            resampled_hz: None,
             looks_inverted: false,
             begins_at: None,
             first,
@@ -156,6 +162,9 @@ impl ChannelReport {
             };
             lines.push(format!("noise: {} rms {whence}; {tells}", self.shown(noise.rms)));
         }
+        if let Some(rate_hz) = self.resampled_hz {
+            lines.push(format!("resampled: evenly at {rate_hz:.0} Hz, by straight lines, for the low-pass"));
+        }
         if let Some(filter) = self.low_pass {
             lines.push(format!(
                 "low-pass: Butterworth, order {}, forward and backward, {:.0} Hz (amplitude halved there)",
@@ -163,6 +172,31 @@ impl ChannelReport {
             ));
         }
         lines
+    }
+
+    /// Preparation of the channel as JSON, the `preparation` of results: ranges and zeros in SI units, rates and
+    /// frequencies in Hz, null for what was not done or not found.
+    pub fn json(&self) -> Value {
+        let noise_from = self.noise.map(|noise| match noise.whence {
+            Whence::Rest => "rest",
+            Whence::Spectrum => "spectrum",
+        });
+        json!({
+            "channel": self.role.name(),
+            "range": [self.range.0, self.range.1],
+            "rate_Hz": self.rate_hz,
+            "empty_rows": self.gaps.rows,
+            "zero": self.zero.map(|zero| zero.offset).or(self.stated_zero),
+            "rest_until_s": self.zero.map(|zero| zero.until_s),
+            "inverted": self.inverted,
+            "late_s": self.late_s,
+            "noise_rms": self.noise.map(|noise| noise.rms),
+            "noise_from": noise_from,
+            "tells_to_Hz": self.band_hz,
+            "resampled_Hz": self.resampled_hz,
+            "low_pass_Hz": self.low_pass.map(|filter| filter.cutoff_hz),
+            "low_pass_order": self.low_pass.map(|filter| filter.order),
+        })
     }
 
     /// Warnings for a series that drives a key.
@@ -218,6 +252,11 @@ impl Report {
             channel.lines().into_iter().map(move |line| format!("{name}: {line}"))
         });
         done.chain(self.warnings().into_iter().map(|warning| format!("warning: {warning}"))).collect()
+    }
+
+    /// Preparation of all channels as JSON: a list of [`ChannelReport::json`].
+    pub fn json(&self) -> Value {
+        self.channels.iter().map(ChannelReport::json).collect()
     }
 
     /// Warnings of all channels.
