@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 import os
 import random
+import re
 import signal
 import sys
 import tempfile
@@ -30,9 +31,11 @@ ROOM = 4 << 30
 #: Longest message of an error, characters.
 MOST_SAID = 20_000
 
-#: What may be raised: the package's own errors, and Python's where a call has arguments of the wrong kind or number,
-#: or something that the function needs is not installed.
-ALLOWED = (erard.InputError, erard.SimulationError, TypeError, ImportError)
+#: What may be raised: the package's own errors, and Python's where something that the function needs is not installed.
+ALLOWED = (erard.InputError, erard.SimulationError, ImportError)
+#: What Python itself says of a call whose arguments have the wrong names or number. Any other TypeError is a value that
+#: nobody has read before it was used.
+CALLED_WRONGLY = re.compile(r"unexpected (keyword )?argument|required (positional|keyword)|positional argument|multiple values for")
 #: What is raised as well: of a text that has no UTF-8 form, by `Drawing.save` where no file can be written, and where a
 #: run, which is a mapping, has no such column.
 AS_WELL = {"": UnicodeEncodeError, "Drawing.save": OSError, "Run.plot": KeyError}
@@ -231,9 +234,11 @@ def wrong(seed: int) -> tuple[str, str | None]:
             play()
     except TooLong:
         end = "interrupted"
-    except (*ALLOWED, AS_WELL[""], AS_WELL.get(told.partition("(")[0], TypeError)) as error:
+    except (*ALLOWED, TypeError, AS_WELL[""], AS_WELL.get(told.partition("(")[0], TypeError)) as error:
         end = "refused"
-        if len(str(error)) > MOST_SAID and not isinstance(error, OSError):
+        if isinstance(error, TypeError) and not CALLED_WRONGLY.search(str(error)):
+            fault = f"TypeError: {str(error)[:300]}"
+        elif len(str(error)) > MOST_SAID and not isinstance(error, OSError):
             fault = f"a message of {len(str(error))} characters"
         elif not str(error).strip():
             fault = f"{type(error).__name__} without words"

@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import erard
+import numpy as np
 import pytest
 
 RECORDINGS = Path(__file__).parents[3] / "recordings"
@@ -47,3 +48,16 @@ def test_the_command_finds_the_same(tmp_path: Path) -> None:
     assert (said["chi2_reduced"], said["chi2_expected"]) == (fitted.chi2_reduced, fitted.chi2_expected)
     assert (said["strokes"], said["samples"]) == (fitted.evaluations, len(fitted.residuals))
     assert [(doubt["kind"], doubt["text"]) for doubt in said["doubts"]] == fitted.doubts and ran.returncode == bool(fitted.doubts)
+
+
+def test_the_command_stores_the_same_preparation(tmp_path: Path) -> None:
+    """What was done to a recording with noise and a clock that is not even: in a run here, and in the command's results."""
+    noise = np.random.default_rng(4)
+    t = (np.arange(1200) + 0.3 * noise.random(1200)) / 4000.0
+    force = np.interp(t, [0.1, 0.12], [0.0, 6.0]) + 0.12 + 0.02 * noise.standard_normal(1200)
+    file = tmp_path / "noisy.csv"
+    file.write_text("time_s,force_N\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(t.tolist(), force.tolist(), strict=True)), encoding="utf-8")
+    own = erard.load("concert-grand").press(stroke=str(file), duration=0.2).preparation
+    said = subprocess.run([command(), "press", str(file), "--duration", "0.2", "--json", "--out", str(tmp_path / "run")], check=True, capture_output=True, text=True)
+    [stored] = [source["preparation"] for source in json.loads(said.stdout)["made_by"]["sources"] if source["kind"] == "recording"]
+    assert own == stored and own[0]["resampled_Hz"] and own[0]["low_pass_Hz"]

@@ -8,6 +8,7 @@ import sys
 import textwrap
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import erard
@@ -219,6 +220,31 @@ def test_a_truth_value_is_no_number() -> None:
             call()
 
 
+def test_what_is_no_flag_no_name_and_no_key_is_refused_in_words() -> None:
+    """One reader for each kind of argument: key, what was found, what is expected."""
+    grand = erard.load("concert-grand")
+    calls: dict[str, Callable[[], object]] = {
+        "single": lambda: erard.study(grand, let_off=[0.0], single="no"),  # type: ignore[arg-type]
+        "ledger": lambda: erard.rollout(grand, force=[[5.0, 5.0]], dt=1e-3, ledger=None),  # type: ignore[arg-type]
+        "reactions": lambda: grand.press(force=5.0, reactions=1),  # type: ignore[arg-type]
+        "norms": lambda: grand.regulate(norms="no"),  # type: ignore[arg-type]
+        "compare": lambda: erard.gradient(grand, ["let_off"], force=5.0, compare="no"),  # type: ignore[arg-type]
+        "model": lambda: grand.press(force=5.0, model=None),  # type: ignore[arg-type]
+        "touch": lambda: grand.press(stroke="mf", touch=True),  # type: ignore[arg-type]
+        "solver": lambda: grand.press(force=5.0, solver=1),  # type: ignore[arg-type]
+        "rest": lambda: grand.measure(rest=None),  # type: ignore[arg-type]
+        "key": lambda: grand.measure(key=True),
+        "asked": lambda: erard.load(None),  # type: ignore[arg-type]
+        "saved": lambda: erard.Action(grand).restore("state"),  # type: ignore[arg-type]
+        "column": lambda: erard.unit_of(3),  # type: ignore[arg-type]
+    }
+    for key, call in calls.items():
+        with pytest.raises(erard.InputError) as refused:
+            call()
+        error = refused.value
+        assert error.key == key and error.found and error.expected and f"{key}: found {error.found}, expected {error.expected}" == str(error), key
+
+
 def test_numpy_and_pandas_read_a_run() -> None:
     pd = pytest.importorskip("pandas")
     run = erard.load("concert-grand").press(force=5.0, duration=0.05)
@@ -228,9 +254,16 @@ def test_numpy_and_pandas_read_a_run() -> None:
     frame = pd.DataFrame(run, columns=run.columns)
     assert frame.shape == array.shape and np.array_equal(frame["key_m"], run["key_m"])
     assert list(run.to_pandas().columns) == run.columns and pd.DataFrame(run).shape == array.shape
-    study = erard.study(erard.load("concert-grand"), let_off=[0.0, 1e-4], duration=0.05)
-    with pytest.raises(TypeError, match="not all numbers"):
-        np.asarray(study)
+    # A study has a column of texts: objects side by side, as pandas does it.
+    grand = erard.load("concert-grand")
+    study = erard.study(grand, let_off=[0.0, 1e-4], duration=0.05)
+    array = np.asarray(study)
+    assert array.dtype == object and array.shape == (2, len(study.columns)) == pd.DataFrame(study).shape
+    assert list(array[:, study.columns.index("let_off")]) == [0.0, 1e-4] and list(array[:, study.columns.index("error")]) == ["", ""]
+    with pytest.raises(TypeError, match="'error'.*texts"):
+        np.asarray(study, dtype=float)
+    with pytest.raises(TypeError, match="'key_m'.*many samples"):
+        np.asarray(erard.rollout(grand, force=[[5.0, 5.0]], dt=1e-3))
 
 
 def test_one_stroke_whatever_holds_its_numbers(tmp_path: Path) -> None:
@@ -246,9 +279,15 @@ def test_one_stroke_whatever_holds_its_numbers(tmp_path: Path) -> None:
         file = tmp_path / "force.csv"
         file.write_text("time_s,force_N\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(t.tolist(), force.tolist(), strict=True)))
         runs = [grand.press(stroke=source, duration=0.3) for source in (mapping, pd.DataFrame(mapping), str(file))]
-        for run in runs:
+        studies = [erard.study(grand, let_off=[0.0], stroke=source, duration=0.3) for source in (mapping, str(file))]
+        for run in runs + studies:
             assert any(told in note for note in run.notes), run.notes
+            assert run.preparation == runs[0].preparation and pickle.loads(pickle.dumps(run)).preparation == run.preparation
+        for run in runs:
             assert np.array_equal(run["key_m"], runs[0]["key_m"])
+        [channel] = runs[0].preparation
+        assert channel["channel"] == "force" and channel["resampled_Hz"] is None
+        assert (channel["zero"] is None) == (force is computed) == (channel["low_pass_Hz"] is None)
     assert runs[0].hammer_speed > 2.0  # 5 N, then 8 N: not 0, then 3 N.
 
 

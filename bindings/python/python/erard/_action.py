@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Unpack
 
 from . import _erard
-from ._common import Stepping, floats, number, pair, steps
+from ._common import Stepping, floats, number, pair, saved_of, steps
 from ._instrument import instrument_of
 from ._table import Table
 
@@ -198,7 +198,7 @@ class Action:
         InputError
             If the bytes belong to another instrument or are not a saved state; the action is then unchanged.
         """
-        self._inner.restore(saved)
+        self._inner.restore(saved_of(saved))
 
     def __eq__(self, other: object) -> bool:
         """Whether instrument, settings and state are equal."""

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 import numpy as np
 
 from . import _erard
-from ._errors import InputError
+from ._errors import InputError, shortened
 
 if TYPE_CHECKING:
+    import os
+
     from numpy.typing import ArrayLike, NDArray
 
     from ._types import Floats, Progress, Steps
@@ -87,6 +89,10 @@ class Stepping(TypedDict, total=False):
     hand: Hand | None
 
 
+#: Settings of the steps that are names.
+_CHOICES = {"solver": ("active-set", "projected-gauss-seidel"), "friction": ("set-valued", "tanh")}
+
+
 def steps(given: Mapping[str, Any]) -> Steps:
     """Returns the settings as the extension takes them; raises a TypeError that names an unknown setting."""
     own: dict[str, Any] = {
@@ -102,14 +108,14 @@ def steps(given: Mapping[str, Any]) -> Steps:
             raise TypeError(f"unexpected argument {key!r}; how to step is said by {', '.join(own)}")
         if key == "hand":
             if not (value is None or isinstance(value, Hand)):
-                raise InputError(f"hand: found {value!r}, expected an erard.Hand", key="hand", found=repr(value))
+                raise refused("hand", value, "an erard.Hand")
             if value is not None:
                 numbers: dict[str, Any] = {name: x if x is None else number(f"hand.{name}", x) for name, x in value._asdict().items()}
                 own[key] = Hand(**numbers)
             continue
         if key == "step" and value is None:
             continue
-        own[key] = value if isinstance(own[key], str) else number(key, value)
+        own[key] = choice(key, value, _CHOICES[key]) if key in _CHOICES else number(key, value)
     return own  # type: ignore[return-value]
 
 
@@ -117,6 +123,78 @@ def step_of(own: Steps, *usual_s: float) -> float:
     """Returns the step length, s: the given one, or the shortest default of the instruments."""
     step = own["step"]
     return min(usual_s) if step is None else step
+
+
+def refused(key: str, found: Any, expected: str) -> InputError:
+    """Returns the error of an argument that is not what is expected: every reader below refuses with it."""
+    shown = shortened(repr(found))
+    return InputError(f"{key}: found {shown}, expected {expected}", key=key, found=shown, expected=expected)
+
+
+def flag(key: str, value: Any) -> bool:
+    """Returns a truth value, or raises an error that names the argument: `single="no"` is a mistake, not yes."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise refused(key, value, "True or False")
+    return bool(value)
+
+
+def text_of(key: str, value: Any, expected: str = "a text") -> str:
+    """Returns a text, or raises an error that names the argument."""
+    if not isinstance(value, str) or not _is_unicode(value):
+        raise refused(key, value, expected)
+    return value
+
+
+def _is_unicode(value: str) -> bool:
+    """Returns whether a text has a UTF-8 form; halves of surrogate pairs have none."""
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def items_of(key: str, values: Any, expected: str) -> list[Any]:
+    """Returns the items of a list, or raises an error that names the argument: a text is no list of its letters."""
+    if not isinstance(values, (str, bytes)):
+        try:
+            return list(values)
+        except TypeError:
+            pass
+    raise refused(key, values, expected)
+
+
+def choice(key: str, value: Any, names: Iterable[str]) -> str:
+    """Returns one of these names, or raises an error that lists them."""
+    names = tuple(names)
+    if not isinstance(value, str) or value not in names:
+        raise refused(key, value, " or ".join(filter(None, [", ".join(map(repr, names[:-1])), repr(names[-1])])))
+    return value
+
+
+def path_of(key: str, value: str | os.PathLike[str], expected: str = "a text or a path") -> str:
+    """Returns a path as a text, or raises an error that names the argument."""
+    found = value if isinstance(value, str) else getattr(type(value), "__fspath__", lambda _: None)(value)
+    if not isinstance(found, str) or "\0" in found:
+        raise refused(key, value, expected)
+    return found
+
+
+def key_of(key: str, value: Any) -> int | str:
+    """Returns a key of the piano by number or note, or raises an error that names the argument."""
+    if isinstance(value, str) and _is_unicode(value):
+        return value
+    try:
+        return whole(key, value, 0)
+    except InputError:
+        raise refused(key, value, "the number of a key, from 1, or its note, as in 'C4'") from None
+
+
+def saved_of(value: Any) -> bytes:
+    """Returns the bytes of a saved state, or raises an error."""
+    if not isinstance(value, (bytes, bytearray, memoryview)):
+        raise refused("saved", value, "bytes, as `save` returns them")
+    return bytes(value)
 
 
 def number(key: str, value: Any) -> float:
@@ -127,9 +205,9 @@ def number(key: str, value: Any) -> float:
             raise TypeError
         found = float(value)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{key}: found {value!r}, expected a number", key=key, found=repr(value)) from None
+        raise refused(key, value, "a number") from None
     if not np.isfinite(found):
-        raise InputError(f"{key}: found {found}, expected a finite number", key=key, found=str(found))
+        raise refused(key, found, "a finite number")
     return found
 
 
@@ -144,19 +222,16 @@ def whole(key: str, value: Any, least: int = 1) -> int:
     except TypeError:
         found = least - 1
     if not least <= found <= _LARGEST:
-        raise InputError(f"{key}: found {value!r}, expected a whole number from {least}", key=key, found=repr(value))
+        raise refused(key, value, f"a whole number from {least}")
     return found
 
 
 def names_of(key: str, values: Iterable[str] | None) -> list[str]:
     """Returns a list of names; raises an error for a single text, which is not a list of its letters."""
-    if isinstance(values, str):
-        raise InputError(f"{key}: found {values!r}, expected a list of names, as in [{values!r}]", key=key, found=values)
     if values is None:
         return []
-    if not isinstance(values, Iterable):
-        raise InputError(f"{key}: found {values!r}, expected a list of names", key=key, found=repr(values))
-    return [str(value) for value in values]
+    expected = f"a list of names, as in [{shortened(repr(values))}]" if isinstance(values, str) else "a list of names"
+    return [text_of(key, value, "a list of names") for value in items_of(key, values, expected)]
 
 
 def mapping(key: str, value: Any) -> Mapping[Any, Any]:
@@ -164,7 +239,7 @@ def mapping(key: str, value: Any) -> Mapping[Any, Any]:
     if value is None:
         return {}
     if not isinstance(value, Mapping):
-        raise InputError(f"{key}: found {value!r}, expected a mapping of names to values", key=key, found=repr(value))
+        raise refused(key, value, "a mapping of names to values")
     return value
 
 
@@ -173,7 +248,7 @@ def pair(key: str, value: Any) -> tuple[float, float] | None:
     if value is None:
         return None
     if isinstance(value, (str, bytes)) or np.shape(value) != (2,):
-        raise InputError(f"{key}: found {value!r}, expected two numbers, m and m/s", key=key, found=repr(value))
+        raise refused(key, value, "two numbers, m and m/s")
     position, velocity = unmasked(key, value)
     return number(f"{key}[0]", position), number(f"{key}[1]", velocity)
 
@@ -182,7 +257,7 @@ def _told(progress: Any) -> bool | None:
     """Returns whether to show progress; raises an error for anything but a bool or `None`."""
     if progress is None or isinstance(progress, (bool, np.bool_)):
         return None if progress is None else bool(progress)
-    raise InputError(f"progress: found {progress!r}, expected True, False or None", key="progress", found=repr(progress))
+    raise refused("progress", progress, "True, False or None")
 
 
 def unmasked(key: str, values: Any) -> Any:
@@ -213,7 +288,7 @@ def floats(key: str, values: ArrayLike, dimensions: int) -> Floats:
     values = unmasked(key, values)
     try:
         array = real(values)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         kind = repr(values) if isinstance(values, str) else f"{type(values).__name__} of {np.asarray(values).dtype}"
         raise InputError(f"{key}: found {kind}, expected an array of numbers", key=key, found=kind) from None
     shape = f"an array of shape {array.shape}" if array.ndim else "a single number"
@@ -314,4 +389,4 @@ def unit_of(column: str) -> str:
     >>> unit_of("hammer_rad_per_s"), unit_of("key_m")
     ('rad/s', 'm')
     """
-    return _erard.unit(column)
+    return _erard.unit(text_of("column", column, "the name of a column"))

@@ -7,7 +7,7 @@ import json
 from typing import Any, Union
 
 from . import _erard
-from ._common import Values
+from ._common import Values, key_of, number, text_of
 
 Reading = Union[float, str, bool, None]
 
@@ -80,6 +80,7 @@ def diagnose(*, key: int | str | None = None, leads: str | None = None, **readin
     >>> found["is_work"], len(found["causes"]) <= 2, len(found["undecided"]) > 2
     (True, True, True)
     """
-    given = {name: value if value is None or isinstance(value, (bool, str)) else float(value) for name, value in readings.items()}
-    answer = json.loads(_erard.diagnose(json.dumps({"key": key, "leads": leads, **given})))
+    given = {name: value if value is None or isinstance(value, (bool, str)) else number(name, value) for name, value in readings.items()}
+    own = {"key": None if key is None else key_of("key", key), "leads": None if leads is None else text_of("leads", leads)}
+    answer = json.loads(_erard.diagnose(json.dumps(own | given)))
     return Diagnosis(answer)

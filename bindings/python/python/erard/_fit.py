@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Stepping, counter, mapping, names_of, number, steps, whole
+from ._common import Stepping, choice, counter, flag, mapping, names_of, number, refused, steps, text_of, whole
 from ._errors import DoubtfulFitWarning, Extra, InputError
-from ._instrument import Instrument, instrument_of
+from ._instrument import DRIVES, Instrument, instrument_of
 from ._recording import Recording, as_recording
 
 if TYPE_CHECKING:
@@ -397,8 +397,9 @@ def fit(
     >>> bool(abs(found.x["body.hammer.mass"] - 1.04) < 4 * found.std["body.hammer.mass"])
     True
     """
-    if minimizer not in MINIMIZERS:
-        raise InputError(f"minimizer: found {minimizer!r}, expected {' or '.join(MINIMIZERS)}", key="minimizer", found=str(minimizer))
+    choice("minimizer", minimizer, MINIMIZERS)
+    choice("jacobian", jacobian, ("differences", "gradient"))
+    text_of("loss", loss, "the name of a loss")
     restarts, max_evaluations = whole("restarts", restarts, 0), whole("max_evaluations", max_evaluations)
     sources: list[Any] = list(recordings) if isinstance(recordings, (list, tuple)) else [recordings]
     asked = Asked(
@@ -406,9 +407,9 @@ def fit(
         names_of("parameters", parameters),
         [(name, _bounds(name, limits)) for name, limits in mapping("bounds", bounds).items()],
         [as_recording(source) for source in sources],
-        drive,
+        None if drive is None else choice("drive", drive, DRIVES),
         None if columns is None else names_of("columns", columns),
-        bool(delays),
+        flag("delays", delays),
         [(name, number(f"sigma[{name!r}]", value)) for name, value in mapping("sigma", sigma).items()],
         steps(how),
         None if threads is None else whole("threads", threads),
@@ -425,7 +426,7 @@ def fit(
 
 def _bounds(name: str, limits: Any) -> tuple[float | str, float | str]:
     if isinstance(limits, str) or np.shape(limits) != (2,):
-        raise InputError(f"bounds[{name!r}]: found {limits!r}, expected two values, as in (\"x0.5\", \"x2\")", key="bounds", found=repr(limits))
+        raise refused(f"bounds[{name!r}]", limits, 'two values, as in ("x0.5", "x2")')
     low, high = (bound if isinstance(bound, str) else number(f"bounds[{name!r}]", bound) for bound in limits)
     return low, high
 

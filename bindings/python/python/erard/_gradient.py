@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Stepping, bar, names_of, number, quantity, read_only, step_of, steps, whole
+from ._common import Stepping, bar, choice, flag, names_of, number, quantity, read_only, step_of, steps, whole
 from ._errors import Extra, InputError
 from ._instrument import Instrument, instrument_of, stroke_of
 
@@ -282,18 +282,18 @@ def gradient(
             raise InputError(f"{key}: found {unknown[0]!r}, expected {', '.join(known)}", key=key, found=unknown[0])
     own = steps({"step": 25e-6, **how})
     every = whole("record_every", record_every)
-    unconverged = unconverged or ("raise" if asked else "nan")
-    for key, word, words in (("rest", rest, RESTS), ("unconverged", unconverged, ("raise", "nan"))):
-        if word not in words:
-            raise InputError(f"{key}: found {word!r}, expected {' or '.join(words)}", key=key, found=str(word))
+    unconverged = unconverged if unconverged is not None else ("raise" if asked else "nan")
+    choice("rest", rest, RESTS)
+    choice("unconverged", unconverged, ("raise", "nan"))
     made = stroke_of(
         instrument, force=force, dt=dt, stroke=stroke, touch=touch, motion=motion, rigid=rigid, drive=drive, hand=how.get("hand")
     )
     if made.drive == "rigid" and "force_N" in sampled:
         raise InputError("columns: force_N has no derivatives under a rigid drive, whose force is what its motion takes", key="columns", found="force_N")
     length = None if duration is None else number("duration", duration)
+    threads = None if threads is None else whole("threads", threads)
     sides = variables(instrument, names)
-    how_asked = (rest == "held", bool(compare), unconverged == "raise", asked)
+    how_asked = (rest == "held", flag("compare", compare), unconverged == "raise", asked)
     with bar(progress, "gradient") as tell:
         found = _erard.gradient(instrument._inner, sides, made, length, own, every if sampled else None, how_asked, threads, tell)
     told = asked or [name for name in QUANTITIES if found["values"][name] is not None]

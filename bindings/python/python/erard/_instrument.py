@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Any, Union, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Hand, Stepping, Values, bar, floats, mapping, names_of, number, quantity, step_of, steps, whole
+from ._common import (
+    Hand, Stepping, Values, bar, choice, flag, floats, items_of, key_of, mapping, names_of, number, path_of, quantity, refused, step_of, steps, text_of, whole,
+)  # fmt: skip
 from ._errors import InputError
 from ._recording import Recording, as_recording
 from ._run import Run
@@ -103,7 +105,12 @@ class Instrument:
     regulation: Mapping[str, Any] | None
 
     def __init__(self, text: str, *, name: str = "text", changes: Sequence[Change] = ()) -> None:
-        self._inner = _erard.Instrument(text, name, list(changes))
+        wanted = "a list of pairs, each a name and a text or a number"
+        pairs = items_of("changes", changes, wanted)
+        if not all(isinstance(one, tuple) and len(one) == 2 and isinstance(one[0], str) for one in pairs):
+            raise refused("changes", changes, wanted)
+        made: list[Change] = [(key, value if isinstance(value, str) else number(key, value)) for key, value in pairs]
+        self._inner = _erard.Instrument(text_of("text", text, "the text of an instrument file"), text_of("name", name), made)
         self.regulation = None
 
     @classmethod
@@ -290,11 +297,13 @@ class Instrument:
         duration = None if duration is None else number("duration", duration)
         every = None if record_every is None else whole("record_every", record_every)
         accuracy = None if tolerance is None else number("tolerance", tolerance)
+        choice("model", model, MODELS)
+        reactions, losses = flag("reactions", reactions), flag("losses", losses)
         with bar(progress, "press") as tell:
             columns, about = _erard.press(
                 self._inner, made, steps(how), model, duration, every, accuracy, reactions, losses, tell
             )
-        return Run(columns, {**about, "notes": made.notes}, made.title)
+        return Run(columns, {**about, "notes": made.notes, "preparation": preparation_of(made)}, made.title)
 
     def measure(
         self,
@@ -333,9 +342,12 @@ class Instrument:
         >>> sorted(sheet)
         ['dip_mm', 'let_off_mm']
         """
+        of = None if key is None else key_of("key", key)
+        lines = None if only is None else names_of("only", only)
+        choice("rest", rest, RESTS)
         with bar(progress, "measure") as tell:
-            text, judged = _erard.measure(self._inner, key, None if only is None else names_of("only", only), rest, tell)
-        return Sheet(self.name, json.loads(text), judged)
+            found, judged = _erard.measure(self._inner, of, lines, rest, tell)
+        return Sheet(self.name, json.loads(found), judged)
 
     def regulate(
         self,
@@ -381,6 +393,8 @@ class Instrument:
         asked: list[Change] = [
             (name, goal if isinstance(goal, str) else number(name, goal)) for name, goal in goals.items()
         ]
+        norms, follow = flag("norms", norms), flag("follow", follow)
+        choice("rest", rest, RESTS)
         with bar(progress, "regulate") as tell:
             inner, about = _erard.regulate(self._inner, asked, norms, follow, rest, tell)
         made = Instrument._of(inner)
@@ -441,12 +455,14 @@ class Instrument:
         True
         """
         made = as_recording(recording)
+        driven = None if drives is None else [choice("drives", name, DRIVES) for name in names_of("drives", drives)]
+        played = None if models is None else [choice("models", name, MODELS) for name in names_of("models", models)]
         with bar(progress, "compare") as tell:
             found = _erard.compare(
                 self._inner,
                 made._inner,
-                None if drives is None else names_of("drives", drives),
-                None if models is None else names_of("models", models),
+                driven,
+                played,
                 None if duration is None else number("duration", duration),
                 steps(how),
                 tell,
@@ -509,6 +525,7 @@ class Instrument:
         >>> drawing.svg.startswith("<svg")
         True
         """
+        labels, forces = flag("labels", labels), flag("forces", forces)
         made = stroke_of(self, force=force, dt=dt, stroke=stroke, touch=touch, hand=how.get("hand"))
         own = steps(how)
         if isinstance(at, str):
@@ -587,7 +604,13 @@ def load(asked: str | os.PathLike[str]) -> Instrument:
     Traceback (most recent call last):
     erard._errors.MissingFileError: no-such-file.toml: cannot be read: ...
     """
-    return Instrument._of(_erard.Instrument.load(os.fspath(asked)))
+    return Instrument._of(_erard.Instrument.load(path_of("asked", asked, "the name of an instrument or the path of its file")))
+
+
+def preparation_of(stroke: _erard.Stroke) -> list[dict[str, Any]]:
+    """Returns what was done to the channels of the recording that a stroke plays; empty if it plays none."""
+    found: list[dict[str, Any]] = [] if stroke.preparation is None else json.loads(stroke.preparation)
+    return found
 
 
 def stroke_of(
@@ -606,6 +629,8 @@ def stroke_of(
     """Returns the stroke that the arguments of `press` describe; a touch is adjusted to the instrument."""
     given = {"force": force, "motion": motion, "rigid": rigid, "stroke": stroke, "hammer_speed": hammer_speed}
     named = [name for name, value in given.items() if value is not None]
+    choice("touch", touch, TOUCHES)
+    drive = None if drive is None else choice("drive", drive, DRIVES)
     if len(named) > 1:
         raise InputError(f"{' and '.join(named)} are given; expected one of {', '.join(given)}", key=named[1])
     if stroke is not None or hammer_speed is not None or not named:
@@ -637,8 +662,12 @@ def stroke_of(
     return _erard.Stroke.samples(name, values, number("dt", dt))
 
 
-#: Names of the built-in strokes.
+#: Names of the built-in strokes, of touches, drives and models, and how an action comes to rest before it is measured.
 NUANCES = ("pp", "p", "mf", "f", "ff")
+TOUCHES = ("pressed", "struck")
+DRIVES = ("force", "motion", "rigid")
+MODELS = ("action", "one-dof")
+RESTS = ("as-played", "as-drawn")
 
 
 def _only_of(key: str, found: Any, usual: str | None, what: str) -> None:
@@ -698,7 +727,7 @@ class Drawing:
         ----------
         path : str or path
         """
-        Path(path).write_text(self.svg, encoding="utf-8")
+        Path(path_of("path", path)).write_text(self.svg, encoding="utf-8")
 
     def _repr_svg_(self) -> str:
         return self.svg
@@ -754,7 +783,7 @@ def kinematics(
     True
     """
     instrument = design._inner if isinstance(design, Instrument) else None
-    linkage = None if isinstance(design, Instrument) else os.fspath(design)
+    linkage = None if isinstance(design, Instrument) else path_of("design", design, "an Instrument, or the name or file of a linkage")
     until = None if end is None else number("end", end)
     columns, about = _erard.kinematics(instrument, linkage, number("start", start), until, whole("steps", steps))
     return Kinematics(columns, about)
@@ -814,9 +843,11 @@ def keyboard(
     >>> bool(two["hammer_mass_g"][0] > two["hammer_mass_g"][1]), two["note"].tolist()
     (True, ['A0', 'C8'])
     """
-    chosen = [*range(1, 88, 3), 88] if keys is None else [key if isinstance(key, str) else whole("keys", key, 0) for key in keys]
+    wanted = "a list of keys, by number from 1 or by note"
+    chosen = [*range(1, 88, 3), 88] if keys is None else [key_of("keys", key) for key in items_of("keys", keys, wanted)]
+    piano = path_of("asked", asked, "the name of a keyboard or the path of its file")
     with bar(progress, "keyboard") as tell:
-        name, columns = _erard.keyboard(os.fspath(asked), chosen, tell)
+        name, columns = _erard.keyboard(piano, chosen, tell)
     return Keyboard(name, {key: np.asarray(values) for key, values in columns.items()})
 
 

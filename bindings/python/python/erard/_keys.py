@@ -6,7 +6,8 @@ import os
 from typing import TYPE_CHECKING, Unpack
 
 from . import _erard
-from ._common import Stepping, number, pair, steps
+from ._common import Stepping, key_of, number, pair, path_of, saved_of, whole
+from ._common import steps as settings
 
 if TYPE_CHECKING:
     from ._erard import Reading
@@ -38,7 +39,7 @@ class Keys:
     """
 
     def __init__(self, keyboard: str | os.PathLike[str] = "concert-grand", **how: Unpack[Stepping]) -> None:
-        self._inner = _erard.Keys(os.fspath(keyboard), steps(how))
+        self._inner = _erard.Keys(path_of("keyboard", keyboard, "the name of a keyboard or the path of its file"), settings(how))
 
     def __len__(self) -> int:
         """Number of keys."""
@@ -76,7 +77,7 @@ class Keys:
         force, motion, rigid
             As in `Action.step`; without any of them, nothing touches the key.
         """
-        self._inner.drive(key, None if force is None else number("force", force), pair("motion", motion), pair("rigid", rigid))
+        self._inner.drive(key_of("key", key), None if force is None else number("force", force), pair("motion", motion), pair("rigid", rigid))
 
     def place_hand(self, key: int | str, position_m: float, velocity_m_per_s: float = 0.0) -> None:
         """Places the hand of a key.
@@ -95,7 +96,7 @@ class Keys:
         InputError
             If the keys have no hands, or there is no such key.
         """
-        self._inner.place_hand(key, number("position_m", position_m), number("velocity_m_per_s", velocity_m_per_s))
+        self._inner.place_hand(key_of("key", key), number("position_m", position_m), number("velocity_m_per_s", velocity_m_per_s))
 
     def set_pedal(self, lift_m: float) -> None:
         """Sets the target lift of the sustain pedal's rail, under all keys. Without modal strings it has no effect.
@@ -121,7 +122,7 @@ class Keys:
             Impacts in these steps, in the order of the steps: key, time (s) and hammer speed at the string (m/s,
             total).
         """
-        return self._inner.step(steps)
+        return self._inner.step(whole("steps", steps, 0))
 
     def reading(self, key: int | str) -> Reading:
         """Returns the reading of a key after the last step.
@@ -136,7 +137,7 @@ class Keys:
         Reading
             Reading as from `Action.step`; for a key at rest, that of its last step.
         """
-        return self._inner.reading(key)
+        return self._inner.reading(key_of("key", key))
 
     @property
     def bridge_n(self) -> float:
@@ -157,7 +158,7 @@ class Keys:
         -------
         bytes
         """
-        return self._inner.save(key)
+        return self._inner.save(key_of("key", key))
 
     def restore(self, key: int | str, saved: bytes) -> None:
         """Restores a saved state of a key; its drive stays. The key then continues with the same bits.
@@ -174,7 +175,7 @@ class Keys:
         InputError
             If the bytes belong to another instrument or are not a saved state; the key is then unchanged.
         """
-        self._inner.restore(key, saved)
+        self._inner.restore(key_of("key", key), saved_of(saved))
 
     def __repr__(self) -> str:
         return f"<erard.Keys: {len(self)} keys, {self.awake} awake, {self.time_s:.6f} s>"

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Union, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Stepping, bar, floats, mapping, names_of, number, step_of, steps, unmasked, whole
+from ._common import Stepping, bar, flag, floats, items_of, mapping, names_of, number, refused, step_of, steps, unmasked, whole
 from ._errors import Extra, FailedStrokesWarning, InputError
-from ._instrument import Instrument, instrument_of, stroke_of
+from ._instrument import Instrument, instrument_of, preparation_of, stroke_of
 from ._table import Table
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def work(
     threads = None if threads is None else whole("threads", threads)
     names = names_of("columns", columns)
     return {
-        "threads": threads, "single": single, "ledger": ledger, "columns": names, "every": every, "tolerance": tolerance,
+        "threads": threads, "single": flag("single", single), "ledger": flag("ledger", ledger), "columns": names, "every": every, "tolerance": tolerance,
     }  # fmt: skip
 
 
@@ -241,9 +241,10 @@ def rollout(
     if array.shape[1] < 2:
         shape = f"shape {array.shape}"
         raise InputError(f"{kind}: found {shape}, expected two samples or more for each stroke", key=kind, found=shape)
-    own = [instruments] if isinstance(instruments, Instrument) else list(instruments)
+    wanted = "an Instrument, as erard.load gives it, or one for each stroke"
+    own = [instruments] if isinstance(instruments, Instrument) else items_of("instruments", instruments, wanted)
     if not own or not all(isinstance(one, Instrument) for one in own):
-        raise InputError("instruments: expected an Instrument, or one for each stroke", key="instruments")
+        raise refused("instruments", instruments, wanted)
     dt = number("dt", dt)
     if dt <= 0:
         raise InputError(f"dt: found {dt}, expected a positive number of seconds", key="dt", found=str(dt))
@@ -276,7 +277,12 @@ class Study(Strokes):
         Reasons of failed strokes, by row.
     doubts : list of str
         Reasons not to trust strokes.
+    notes, preparation : list
+        How a recorded stroke was prepared, as in `Run`.
     """
+
+    notes: list[str]
+    preparation: list[dict[str, Any]]
 
     def __init__(
         self,
@@ -284,9 +290,11 @@ class Study(Strokes):
         columns: dict[str, NDArray[Any]],
         doubts: list[str],
         axis_units: Mapping[str, str] | None = None,
+        told: tuple[list[str], list[dict[str, Any]]] = ([], []),
     ) -> None:
         super().__init__(columns)
         self.axes, self.doubts = axes, doubts
+        self.notes, self.preparation = told
         self._own_units = dict(axis_units or {})
 
     @property
@@ -330,9 +338,9 @@ class Study(Strokes):
         from ._plot import study_figure
 
         if not isinstance(column, str) or column not in self:
-            raise InputError(f"column: found {column!r}, expected one of {', '.join(self)}", key="column", found=repr(column))
+            raise refused("column", column, f"one of {', '.join(self)}")
         if not (over is None or isinstance(over, str) and over in self.axes):
-            raise InputError(f"over: found {over!r}, expected one of {', '.join(self.axes)}", key="over", found=str(over))
+            raise refused("over", over, f"one of {', '.join(self.axes)}")
         return study_figure(self, column, over or max(self.axes, key=lambda name: len(self.axes[name])))
 
     def __repr__(self) -> str:
@@ -342,12 +350,12 @@ class Study(Strokes):
     def __getstate__(self) -> dict[str, Any]:
         columns = {name: np.asarray(values) for name, values in self.items()}
         own = {"axes": self.axes, "columns": columns, "doubts": self.doubts}
-        return own | {"axis_units": dict(self._own_units)}
+        return own | {"axis_units": dict(self._own_units), "told": (self.notes, self.preparation)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for values in state["columns"].values():
             values.flags.writeable = False
-        Study.__init__(self, state["axes"], state["columns"], state["doubts"], state["axis_units"])
+        Study.__init__(self, state["axes"], state["columns"], state["doubts"], state["axis_units"], state["told"])
 
 
 def study(
@@ -423,7 +431,7 @@ def study(
     made = None if forces is not None else stroke_of(instrument, stroke=stroke, touch=touch, drive=drive, hand=hand)
     duration = None if duration is None else number("duration", duration)
     accuracy = None if tolerance is None else number("tolerance", tolerance)
-    if accuracy is not None and single:
+    if accuracy is not None and flag("single", single):
         raise InputError("tolerance and single are given; expected one of them: adaptive steps are computed in doubles", key="single")
     keep = work(threads, single, True, tolerance=accuracy)
     with bar(progress, "study") as tell:
@@ -440,7 +448,7 @@ def study(
     columns = rows | outcomes(found) | dict(zip(measure, found["measured"], strict=True))
     for values in columns.values():
         values.flags.writeable = False
-    studied = Study(axes, columns, found["doubts"], units)
+    studied = Study(axes, columns, found["doubts"], units, ([], []) if made is None else (made.notes, preparation_of(made)))
     studied._warn("".join(_outside(known[name], values) for name, values in axes.items() if name in known))
     return studied
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ._common import unit_of
+from ._common import names_of, unit_of
 from ._errors import Extra, InputError
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def run_figure(run: DrawnRun, columns: Sequence[str], ax: Any) -> Figure:
     with Extra("plot"):
         import matplotlib.pyplot as plt
 
-    shown = columns or tuple(name for name in USUAL if name in run)
+    shown = tuple(names_of("columns", columns)) or tuple(name for name in USUAL if name in run)
     if ax is None:
         figure, axes = plt.subplots(
             len(shown), 1, sharex=True, squeeze=False, figsize=(8, 1 + 1.5 * len(shown)), layout="constrained"

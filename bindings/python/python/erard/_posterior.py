@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ._common import counter, number, whole
+from ._common import choice, counter, number, refused, whole
 from ._errors import Extra, InputError
 from ._fit import Fit
 
@@ -108,9 +108,9 @@ def sample(
     Posterior
     """
     if not isinstance(found, Fit):
-        raise InputError(f"found: found {type(found).__name__}, expected what erard.fit found", key="found")
-    if sampler not in ("emcee", "nuts"):
-        raise InputError(f"sampler: found {sampler!r}, expected emcee or nuts", key="sampler", found=str(sampler))
+        raise refused("found", found, "what erard.fit found")
+    choice("sampler", sampler, ("emcee", "nuts"))
+    seed = whole("seed", seed, 0)
     if walkers is None:
         walkers = 32 if sampler == "emcee" else 2
     walkers, length, burn = whole("walkers", walkers), whole("length", length), whole("burn", burn, 0)

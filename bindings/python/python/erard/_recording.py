@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 
 from . import _erard
-from ._common import floats, mapping, names_of, number, real
+from ._common import choice, floats, mapping, names_of, number, real, refused, text_of
 from ._errors import InputError, MissingFileError
 from ._table import Table
 
@@ -82,14 +82,15 @@ class Recording(Table):
     ) -> None:
         own = isinstance(low_pass, str) and low_pass == "own"
         if isinstance(low_pass, str) and not own:
-            raise InputError(f"low_pass: found {low_pass!r}, expected a number of Hz, 'own' or None", key="low_pass")
+            raise refused("low_pass", low_pass, "a number of Hz, 'own' or None")
         if isinstance(columns, Mapping):
             columns = ",".join(f"{role}={title}" for role, title in columns.items())
+        columns = None if columns is None else text_of("columns", columns, "a text or a mapping of roles to titles")
+        position = None if position is None else choice("position", position, ("key", "fingertip", "key-back"))
         late = [(str(name), number(f"delay[{name!r}]", s)) for name, s in mapping("delay", delay).items()]
         hz = None if own or low_pass is None else number("low_pass", low_pass)
         if not isinstance(zero, (bool, np.bool_, Mapping)):
-            found = type(zero).__name__
-            raise InputError(f"zero: found {found}, expected True, False or a mapping of columns to numbers", key="zero")
+            raise refused("zero", zero, "True, False or a mapping of columns to numbers")
         zeros = [(str(name), number(f"zero[{name!r}]", at)) for name, at in (zero.items() if isinstance(zero, Mapping) else ())]
         ready = (position, isinstance(zero, Mapping) or bool(zero), hz, own, names_of("invert", invert), late, zeros)
         if isinstance(source, Recording):
@@ -140,9 +141,7 @@ class Recording(Table):
         float or None
             Noise, N, m or m/s; `None` if neither shows it.
         """
-        if not isinstance(column, str) or column not in _CHANNELS:
-            raise InputError(f"column: found {column!r}, expected one of {', '.join(_CHANNELS)}", key="column", found=repr(column))
-        return self._inner.noise(column)
+        return self._inner.noise(choice("column", column, _CHANNELS))
 
     def at(self, column: str, time_s: ArrayLike) -> NDArray[np.float64]:
         """Returns a channel, prepared and interpolated.
@@ -158,7 +157,7 @@ class Recording(Table):
         ndarray of shape (T,)
             N, m or m/s.
         """
-        found = self._inner.at(column, floats("time_s", np.atleast_1d(time_s), 1))
+        found = self._inner.at(choice("column", column, _CHANNELS), floats("time_s", np.atleast_1d(time_s), 1))
         if found is None:
             raise InputError(f"{column} was not recorded; there are {', '.join(self)}", key="column", found=str(column))
         return found
@@ -217,6 +216,8 @@ def _arrays(source: Any) -> dict[str, NDArray[np.float64]]:
             found[str(name)] = real(source[name])
         except (TypeError, ValueError):
             continue  # A column of text is none of ours.
+    if single := [name for name, values in found.items() if values.ndim == 0]:
+        raise refused(single[0], found[single[0]].item(), "an array of numbers, one for each sample")
     lengths = {name: len(values) if values.ndim == 1 else values.shape for name, values in found.items()}
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{name}: {length}" for name, length in lengths.items())

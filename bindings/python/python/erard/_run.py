@@ -36,8 +36,11 @@ class Run(Table):
     warnings : list of str
         Reasons not to trust the run; empty if there are none.
     notes : list of str
-        How a recorded stroke was prepared (zero, low-pass, noise), and remarks on how it drives the key differently from
-        its data.
+        How a recorded stroke was prepared (zero, resampling, low-pass, noise), and remarks on how it drives the key
+        differently from its data.
+    preparation : list of dict
+        The same of each channel as data, as the command's results store it in `made_by`: `zero` in N or m,
+        `resampled_Hz`, `low_pass_Hz` and others, `None` for what was not done; empty if no recording was played.
 
     Examples
     --------
@@ -54,6 +57,7 @@ class Run(Table):
     impacts: list[tuple[float, float]]
     warnings: list[str]
     notes: list[str]
+    preparation: list[dict[str, Any]]
 
     def __init__(self, columns: dict[str, NDArray[np.float64]], about: dict[str, Any], title: str) -> None:
         super().__init__(dict(columns))
@@ -61,7 +65,7 @@ class Run(Table):
         self.title = title
         self.events = types.MappingProxyType({name: at for name, at in about["events"].items() if at is not None})
         self.impacts = about["impacts"]
-        self.warnings, self.notes = about["warnings"], about["notes"]
+        self.warnings, self.notes, self.preparation = about["warnings"], about["notes"], about["preparation"]
 
     @property
     def instrument(self) -> str:

@@ -22,8 +22,8 @@ class Table(Mapping[str, "NDArray[Any]"]):
 
     A table is a mapping and supports the Arrow PyCapsule
     protocol: `polars.DataFrame(table)`, `pyarrow.table(table)`, `pandas.DataFrame.from_arrow(table)` and DuckDB read it
-    without a copy. `numpy.asarray(table)` has shape (T, C), a column for each name; `pandas.DataFrame(table)` has these
-    columns without their names, and `to_pandas` with them.
+    without a copy. `numpy.asarray(table)` has shape (T, C), a column for each name, of objects where a column holds
+    texts, as pandas does it; `pandas.DataFrame(table)` has these columns without their names, and `to_pandas` with them.
     """
 
     _columns: dict[str, NDArray[Any]]
@@ -59,12 +59,20 @@ class Table(Mapping[str, "NDArray[Any]"]):
         return len(self._columns)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[np.float64]:
-        """Returns the columns side by side as an array of shape (T, C), in the order of `columns`."""
-        if any(values.ndim != 1 or values.dtype.kind not in "fiub" for values in self._columns.values()):
-            raise TypeError(f"the columns of this {type(self).__name__} are not all numbers of one dimension; take one, as in table[{next(iter(self), '')!r}]")
+        """Returns the columns side by side as an array of shape (T, C), in the order of `columns`: of doubles, or of
+        objects where a column holds texts."""
+        if sampled := [name for name, values in self._columns.items() if values.ndim != 1]:
+            raise TypeError(f"column {sampled[0]!r} of this {type(self).__name__} has many samples in a row; take one column, as in table[{sampled[0]!r}]")
         if copy is False:
             raise ValueError("the columns are apart in memory: an array of all of them is a copy")
-        return np.column_stack([*self._columns.values()]).astype(np.float64 if dtype is None else dtype, copy=False)
+        texts = [name for name, values in self._columns.items() if values.dtype.kind not in "fiub"]
+        kind = np.dtype((object if texts else np.float64) if dtype is None else dtype)
+        if texts and kind.kind != "O":
+            raise TypeError(f"column {texts[0]!r} of this {type(self).__name__} holds texts; leave out dtype, or take columns of numbers, as in table[{next(iter(self), '')!r}]")
+        array = np.empty((len(next(iter(self._columns.values()), ())), len(self._columns)), dtype=kind)
+        for index, values in enumerate(self._columns.values()):
+            array[:, index] = values
+        return array
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
