@@ -7,8 +7,9 @@ use erard::parameter::{Bare, Change, Parameter};
 use erard::run::SimulationError;
 use erard_workshop::cores;
 use erard_workshop::fit::{
-    DIFFERENCES, Data, FitError, FitResult, Jacobian, LeastSquares, Loss, NoiseModel, Plan, Problem as Question,
-    Simulator, Solution, Solver, TrustRegion, by_differences, by_gradient, fit_by, fit_parameters,
+    DIFFERENCES, Data, FitError, FitResult, Jacobian, LeastSquares, Loss, MAX_EVALUATIONS, MAX_RESTARTS, NoiseModel,
+    Plan, Problem as Question, Simulator, Solution, Solver, TrustRegion, by_differences, by_gradient, fit_by,
+    fit_parameters,
 };
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, ToPyArray};
 use pyo3::exceptions::PyRuntimeError;
@@ -115,6 +116,13 @@ impl Problem {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (start, loss, jacobian, restarts, max_evaluations) = arguments;
+        for (key, found, most) in
+            [("restarts", restarts, MAX_RESTARTS), ("max_evaluations", max_evaluations, MAX_EVALUATIONS)]
+        {
+            if found > usize::from(most) {
+                return Err(wrong_argument(key, format!("found {found}, expected at most {most}")));
+            }
+        }
         let of = |(name, value): (String, Value)| {
             let value = outer(&self.instrument, "start", &name, value)?;
             Ok((name, value))

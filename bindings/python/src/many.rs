@@ -10,7 +10,7 @@ use erard::stroke::{PositionOf, Prescribed, Stroke as InnerStroke};
 use erard_workshop::compare::Which;
 use erard_workshop::cores;
 use erard_workshop::study::{
-    Axis, Grid, Job, OUTCOMES, OwnResult, Played, Sampling, StudyRow, Workers, doubts, sample_all,
+    Axis, Grid, Job, MAX_STROKES, OUTCOMES, OwnResult, Played, Sampling, StudyRow, Workers, doubts, sample_all,
 };
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -246,11 +246,13 @@ pub(crate) fn study<'py>(
         setup: &setup,
         workers: work.workers()?,
     };
-    if Axis::combinations(&axes).is_none() {
+    let Some(count) = Axis::combinations(&axes) else {
         return Err(wrong_argument("vary", "more combinations than can be counted; expected fewer values"));
-    }
-    let count = grid.count();
+    };
     let (from, to) = rows.unwrap_or((0, count));
+    if to.min(count).saturating_sub(from) > MAX_STROKES {
+        return Err(wrong_argument("vary", format!("found {count} strokes, expected at most {MAX_STROKES}")));
+    }
     let rows = watched(py, progress, |going| grid.play_rows(from..to.min(count), going), fault::simulation)?;
     let columns = |count: usize, of: &dyn Fn(&StudyRow, usize) -> Option<f64>| {
         let column = |k| rows.iter().map(|row| of(row, k).unwrap_or(f64::NAN)).collect::<Vec<f64>>().into_pyarray(py);

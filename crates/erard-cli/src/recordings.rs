@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use erard::parameter::{Bare, Quantity};
-use erard::recording::{LowPass, Preparation, Prepared, prepare};
+use erard::recording::{LowPass, MAX_LATE_S, Preparation, Prepared, prepare};
 use erard::stroke::{Columns, Layout, MAX_BYTES, MAX_ROWS, PositionOf, ROLES, Recording, Role, StrokeError};
 use parquet::basic::Type as Physical;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
@@ -101,8 +101,8 @@ fn delay(text: &str) -> Result<(Role, f64), String> {
     let expected = || "expected a channel and a time, as in force=1.5ms or position=-0.2ms".to_owned();
     let (name, time) = text.split_once('=').ok_or_else(expected)?;
     let seconds = Quantity::Time.read(time, Bare::Refused).map_err(|error| format!("{error}; {}", expected()))?;
-    if seconds.abs() > 10.0 {
-        return Err("expected a time of at most 10 s".to_owned());
+    if seconds.abs() > MAX_LATE_S {
+        return Err(format!("expected a time of at most {MAX_LATE_S} s"));
     }
     Ok((channel(name)?, seconds))
 }

@@ -11,7 +11,8 @@ use erard::stroke::{Prescribed, Recording, Role};
 use erard_figures::figure::figure_picture;
 use erard_workshop::cores;
 use erard_workshop::fit::{
-    Data, FitError, FitResult, Jacobian, Loss, NoiseModel, PerName, Plan, Problem, Simulator, fit_parameters,
+    Data, FitError, FitResult, Jacobian, Loss, MAX_EVALUATIONS, MAX_RESTARTS, NoiseModel, PerName, Plan, Problem,
+    Simulator, fit_parameters,
 };
 
 use super::options::{DRIVES, StepOptions, check};
@@ -73,10 +74,10 @@ pub(crate) struct Fit {
     #[arg(long, value_parser = one_of(&JACOBIANS), default_value = "differences")]
     jacobian: Jacobian,
     /// Largest number of further starts
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole::<u16>(0, 1000))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = whole::<u16>(0, MAX_RESTARTS.into()))]
     restarts: u16,
     /// Largest number of evaluations from one start
-    #[arg(long, value_name = "N", default_value_t = 50, value_parser = whole::<u16>(1, 10_000))]
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = whole::<u16>(1, MAX_EVALUATIONS.into()))]
     max_evaluations: u16,
     /// Fit only the first S seconds of every recording. Do not go much beyond the impact: there a tiny change of a
     /// parameter moves the check by milliseconds, and error bars become too small

@@ -198,7 +198,7 @@ fn what_is_wrong_is_named() {
         (&[mass], "RECORDING"),
         (&["nobody.csv", mass], "nobody.csv: cannot be read"),
         (&["empty.csv", mass], "empty.csv"),
-        (&["nan.csv", mass], "nan.csv:3"),
+        (&["nan.csv", mass], "nan.csv:4"),
         (&["backward.csv", mass], "backward.csv:4"),
         (&["force.csv", mass], "no other channel was recorded"),
         (&["pressed.csv", mass, "--drive=motion"], "begins with a force"),

@@ -37,7 +37,7 @@ pub use doubt::{Doubt, DoubtKind};
 pub use jacobian::{DIFFERENCES, Jacobian, by_differences, by_gradient};
 pub use noise::NoiseModel;
 pub use parameter::{FitParameter, PerName, fit_parameters};
-pub use plan::{Plan, Solution, Solver, TrustRegion};
+pub use plan::{MAX_EVALUATIONS, MAX_RESTARTS, Plan, Solution, Solver, TrustRegion};
 pub use problem::{Problem, ResidualBlock};
 pub use result::{FitResult, FittedChannel, Meaning};
 pub use search::{fit, fit_by};

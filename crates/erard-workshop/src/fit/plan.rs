@@ -18,6 +18,11 @@ pub struct Plan {
     pub max_evaluations: usize,
 }
 
+/// Most restarts of a fit.
+pub const MAX_RESTARTS: u16 = 1000;
+/// Most evaluations per solution of a fit.
+pub const MAX_EVALUATIONS: u16 = 10_000;
+
 impl Default for Plan {
     fn default() -> Self {
         Plan {

@@ -72,6 +72,9 @@ impl Preparation {
     }
 }
 
+/// Longest delay of a channel against the others, s.
+pub const MAX_LATE_S: f64 = 10.0;
+
 /// Why a recording cannot be prepared.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
@@ -92,6 +95,14 @@ pub enum PrepareError {
     /// Sampled so unevenly that an even series of the same fineness would be too long.
     #[error("the {} is sampled too unevenly for a low-pass; expected even sampling, or no low-pass", .0.name())]
     Uneven(Role),
+    /// The delay of a channel.
+    #[error("the {} is {late_s} s late; expected at most {MAX_LATE_S} s either way", .role.name())]
+    Late {
+        /// Channel.
+        role: Role,
+        /// s.
+        late_s: f64,
+    },
     /// A channel cannot be interpolated.
     #[error(transparent)]
     Samples(#[from] SampleError),
@@ -113,6 +124,9 @@ pub struct Prepared {
 pub fn prepare(recording: &Recording, preparation: &Preparation) -> Result<Prepared, PrepareError> {
     if !ORDERS.contains(&preparation.order) {
         return Err(PrepareError::Order(preparation.order));
+    }
+    if let Some((role, late_s)) = preparation.late_s.iter().find(|(_, late_s)| !(late_s.abs() <= MAX_LATE_S)) {
+        return Err(PrepareError::Late { role: *role, late_s: *late_s });
     }
     let mut channels: Vec<Samples> =
         recording.channels.iter().map(|channel| Samples::new(recording, channel, preparation)).collect();

@@ -14,7 +14,7 @@ use super::ROLES;
 use super::columns::{Column, Columns, Layout};
 use super::recording::{Builder, Dialect, Recording, count};
 use super::rows::{Place, Row, Rows, excerpt};
-use super::{Series, StrokeError};
+use super::{Role, Series, StrokeError};
 use crate::files::shown;
 
 /// How far a header is looked for that was asked for by its titles, rows.
@@ -186,7 +186,7 @@ struct Numbers {
 }
 
 impl Numbers {
-    /// The numbers of a row's cells; `None` is an empty one.
+    /// The numbers of a row's cells; `None` is an empty one, or one that is NaN.
     fn row<'a>(
         &mut self,
         columns: &[Column],
@@ -205,6 +205,10 @@ impl Numbers {
             let Some((value, mark)) = number(text) else {
                 return fault("not a number", "a number such as 0.25");
             };
+            // What NumPy and others write where nothing was sampled, as in Parquet; an instant is needed in every row.
+            if value.is_nan() && column.role != Role::Time {
+                continue;
+            }
             if !value.is_finite() {
                 return fault("not a finite number", "a finite number");
             }

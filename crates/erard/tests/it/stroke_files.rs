@@ -70,7 +70,7 @@ fn every_fault_names_line_column_and_remedy() {
         (format!("{head}0.1,x,0\n"), 3, "force_N", ["not a number", "`x`", "a number"]),
         (format!("{head},1,0\n"), 3, "time_s", ["not a number", "empty cell", "a number"]),
         (format!("{head}0.1,1 N,0\n"), 3, "force_N", ["not a number", "`1 N`", "a number"]),
-        (format!("{head}0.1,NaN,0\n"), 3, "force_N", ["finite", "`NaN`", "finite"]),
+        ("time_s,force_N\n0,1\n1,NaN\n".into(), 1, "force_N", ["empty cells", "1 number", "two numbers"]),
         (format!("{head}0.1,1,-inf\n"), 3, "position_m", ["finite", "`-inf`", "finite"]),
         (format!("{head}0.1,1,1e999\n"), 3, "position_m", ["finite", "`1e999`", "finite"]),
         (format!("{head}nan,1,1\n"), 3, "time_s", ["finite", "`nan`", "finite"]),
@@ -231,6 +231,10 @@ fn one_recording_in_many_hands() {
 fn gaps() {
     let text = "time_s,force_N,position_m\n0,0,0\n0.01,1,\n0.02,,\n0.03,3,\n0.04,4,0.004\n";
     let recording = Recording::read(text.as_bytes(), "", &Columns::default()).unwrap();
+    // NumPy writes NaN instead.
+    let written = "time_s,force_N,position_m\n0,0,0\n0.01,1,nan\n0.02,NaN,nan\n0.03,3,\n0.04,4,0.004\n";
+    let same = Recording::read(written.as_bytes(), "", &Columns::default()).unwrap();
+    assert_eq!(same.series().unwrap(), recording.series().unwrap());
     let gaps = |role| recording.channel(role).unwrap().gaps(&recording.time_s);
     assert_eq!(gaps(Role::Force).rows, 1);
     assert!((gaps(Role::Force).longest_s - 0.02).abs() < 1e-15);
