@@ -23,7 +23,7 @@ use erard::Progress;
 use erard::instrument::Instrument;
 use erard::one_dof::{OneDofError, reduce};
 use erard::player::{self, Drive};
-use erard::recording::{Butterworth, Report, interpolated};
+use erard::recording::{Butterworth, ChannelReport, Report, interpolated};
 use erard::run::{MAX_ROWS_ASKED, Setup, SimulationError, simulate};
 use erard::stroke::{ForceSeries, PositionOf, PositionSeries, Prescribed, Role, SampleError, Series};
 
@@ -97,6 +97,9 @@ pub struct Choice {
     pub rest_until_s: f64,
     /// Noise of the recorded position; `None` if it shows none.
     pub path_noise: Option<PathNoise>,
+    /// What may be wrong with the recorded force and position, each with its remedy: a zero that was not taken, a
+    /// reversed sign.
+    pub misread: [Vec<String>; 2],
 }
 
 impl Default for Choice {
@@ -108,12 +111,14 @@ impl Default for Choice {
             tells_to_hz: [f64::INFINITY; 3],
             rest_until_s: f64::NEG_INFINITY,
             path_noise: None,
+            misread: Default::default(),
         }
     }
 }
 
 impl Choice {
-    /// Limits the comparison by a prepared recording's noise, low-pass, sample rate and rest before the touch.
+    /// Limits the comparison by a prepared recording's noise, low-pass, sample rate and rest before the touch, and takes
+    /// from it what may be wrong with its channels.
     #[must_use]
     pub fn limited_by(mut self, report: &Report) -> Self {
         for (limit, role) in self.tells_to_hz.iter_mut().zip([Role::Force, Role::Position, Role::HammerHead]) {
@@ -123,6 +128,8 @@ impl Choice {
             *limit = noise.chain([0.5 * channel.rate_hz]).fold(*limit, f64::min);
         }
         self.path_noise = PathNoise::of(report);
+        self.misread = [Role::Force, Role::Position]
+            .map(|role| report.channel(role).map(ChannelReport::misread).unwrap_or_default());
         self.rest_until_s = report.rest_until_s().unwrap_or(self.rest_until_s);
         self
     }
@@ -188,6 +195,8 @@ pub struct Comparison {
     pub trials: Vec<Trial>,
     /// Assumptions, and drives that could not be tried, in words.
     pub notes: Vec<String>,
+    /// What may be wrong with the recorded force and position ([`Choice::misread`]).
+    pub misread: [Vec<String>; 2],
 }
 
 /// Share of the largest value at which the upward motion is nearly over.
@@ -416,7 +425,17 @@ pub fn compare_chosen(
         });
     }
     let position_of = choice.position_of;
-    Ok(Comparison { time_s, measured_force_n, measured_position_m, position_of, measured_hammer_rise_m, trials, notes })
+    let misread = choice.misread.clone();
+    Ok(Comparison {
+        time_s,
+        measured_force_n,
+        measured_position_m,
+        position_of,
+        measured_hammer_rise_m,
+        trials,
+        notes,
+        misread,
+    })
 }
 
 /// Errors up to a frequency, Hz: both series pass the same low-pass, forward and backward. `None` if nothing is left to
@@ -484,7 +503,8 @@ impl Comparison {
         action.filter_map(|trial| Some(trial.force_uncertainty?.describe(trial.driven))).collect()
     }
 
-    /// Describes, for every drive, how much each model explains and which one is closer.
+    /// Describes, for every drive, how much each model explains and which one is closer. Where none explains anything,
+    /// none is closer; what may be wrong with the recording that drives is the reason.
     pub fn verdicts(&self) -> Vec<String> {
         let mut verdicts = Vec::new();
         for driven in DRIVES {
@@ -500,6 +520,19 @@ impl Comparison {
                     .push(format!("{name}: the file has no column `{missing}` to compare the simulated {what} with"));
             } else if told.is_empty() {
                 verdicts.push(format!("{name}: nothing can be concluded on the {what}: above {LOWEST_LIMIT_HZ} Hz the recording holds only noise or nothing"));
+            } else if told.iter().all(|(_, errors)| errors.explained <= 0.0) {
+                let shares: Vec<String> = told
+                    .iter()
+                    .map(|(trial, errors)| format!("{} {}", trial.which.spoken(), share(errors.explained, 1)))
+                    .collect();
+                let who = if told.len() > 1 { "neither model explains any" } else { "the model explains none" };
+                let why = match driven {
+                    Prescribed::Force => &self.misread[0],
+                    Prescribed::Motion | Prescribed::Rigid => &self.misread[1],
+                };
+                let why: String = why.iter().map(|reason| format!("; {reason}")).collect();
+                let limit = up_to(first.told_to_hz);
+                verdicts.push(format!("{name}{limit}: {who} of the {what}'s variance ({}){why}", shares.join(", ")));
             } else {
                 let shares: Vec<String> = told
                     .iter()

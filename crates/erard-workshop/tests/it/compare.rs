@@ -246,3 +246,31 @@ fn the_force_under_a_recorded_key_is_worth_what_is_said() {
     let [small, large] = [&said[..3], &said[3..]].map(|all| all.iter().sum::<f64>() / 3.0);
     assert!((2.5..8.0).contains(&(large / small)), "{small} N and {large} N");
 }
+
+/// A share below nothing has no winner: a key that was read 0.4 mm too low presses the front punching with newtons that
+/// nobody gave. The verdict says that neither model explains the force, why, and what to type.
+#[test]
+fn what_explains_nothing_does_not_win() {
+    let grand = Instrument::builtin("concert-grand-rigid").unwrap();
+    let setup = Setup { record_every: Some(1), ledger: false, ..Setup::new(0.12) };
+    let force = |t: f64| Input::Force(6.0 * (1.0 - (-t / 5e-3).exp()));
+    let run = simulate(&grand, &force, &setup, &mut |_| true).unwrap();
+    let verdict = |off_m: f64| {
+        let mut text = String::from("time_s,force_N,key_m\n");
+        for row in (0..run.time_s.len()).step_by(5) {
+            text += &format!("{},{},{}\n", run.time_s[row], run.force_n[row], run.key_m[row] + off_m);
+        }
+        let recording = Recording::read(text.as_bytes(), "synthetic", &Columns::default()).unwrap();
+        let ready = prepare(&recording, &Preparation::default()).unwrap();
+        let choice = Choice { drives: vec![Prescribed::Rigid], ..Choice::default() }.limited_by(&ready.report);
+        let found = compare_chosen(&grand, &ready.series, &choice, &setup, &mut |_| true).unwrap();
+        let explained: Vec<f64> = found.trials.iter().map(|trial| trial.errors.as_ref().unwrap().explained).collect();
+        (explained, found.verdicts()[0].clone())
+    };
+    let (explained, said) = verdict(0.4e-3);
+    assert!(explained.iter().all(|share| *share < 0.0), "{explained:?}");
+    assert!(said.contains("neither model explains any of the force's variance") && !said.contains("near"), "{said}");
+    assert!(said.contains("--zero position=0.4000mm"), "{said}");
+    let (explained, said) = verdict(0.0);
+    assert!(explained[0] > 0.9 && said.ends_with(": the action is nearer"), "{explained:?}: {said}");
+}
