@@ -247,6 +247,8 @@ fn attack(seeds: std::ops::Range<u64>) {
     let include = format!("{}/include", env!("CARGO_MANIFEST_DIR"));
     let mut cc = Command::new("cc");
     cc.args(["-std=c99", "-O0", "-Wall", "-Wextra", "-Werror", "-I"]).arg(include).arg(&source);
+    // `.ci/sanitize` adds its sanitizer's.
+    cc.args(std::env::var("ERARD_CC_FLAGS").iter().flat_map(|flags| flags.split_whitespace()));
     run(cc.arg(library("liberard_c.a")).args(["-lpthread", "-ldl", "-lm", "-o"]).arg(&program));
     let mut played = Command::new(&program);
     let said = run(played.arg(seeds.start.to_string()).arg(seeds.end.to_string()));

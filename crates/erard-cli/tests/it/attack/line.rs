@@ -7,6 +7,7 @@ use serde_json::Value;
 use super::world::{INPUTS, OUTPUTS};
 
 /// A command line.
+#[derive(Clone)]
 pub struct Line {
     pub arguments: Vec<String>,
 }
@@ -63,6 +64,24 @@ const WORDS: [&str; 12] = [
     "body.hammer.mass=1e99",
 ];
 
+/// What the name of a value says where a file is meant.
+const FILES: [&str; 14] = [
+    "FILE",
+    "CSV",
+    "RECORDING",
+    "NAME",
+    "INSTRUMENT",
+    "KEYBOARD",
+    "MID",
+    "WAV",
+    "TOML",
+    "STREAM",
+    "READINGS",
+    "STROKE",
+    "MEASURED",
+    "FOLDER",
+];
+
 impl Line {
     /// The line of a seed: the same every time.
     pub fn of(seed: u64) -> Self {
@@ -101,6 +120,64 @@ impl Line {
             arguments.push("--json".into());
         }
         Line { arguments }
+    }
+
+    /// Every option of every command with every hostile value, as the program describes itself, and every name of the
+    /// register with every number: the lines in order, with what is tried in each.
+    pub fn swept() -> Vec<(String, Self)> {
+        let mut program = erard_cli::command::definition();
+        program.build();
+        let mut lines = Vec::new();
+        let skipped = ["help", "studio"];
+        for command in program.get_subcommands().filter(|one| !skipped.contains(&one.get_name()) && !one.is_hide_set())
+        {
+            let name = command.get_name();
+            let short = SHORT.iter().find(|(own, _)| *own == name).map_or(&[][..], |(_, short)| short);
+            for arg in command.get_arguments().filter(|one| one.get_id() != "help") {
+                let option = arg.get_long().map(|long| format!("--{long}"));
+                // What makes the command short, without this option and its value, and without files where one is tried.
+                let mut arguments = vec![name.to_owned()];
+                let mut is_own = false;
+                for one in short {
+                    let is_value = !one.starts_with("--");
+                    if option.is_none() && is_value && arguments.last().is_none_or(|last| !last.starts_with("--")) {
+                        continue;
+                    }
+                    is_own = if is_value { is_own } else { option.as_deref() == Some(*one) };
+                    if !is_own {
+                        arguments.push((*one).to_owned());
+                    }
+                }
+                arguments.push("--json".into());
+                let with = |value: Option<&str>| {
+                    let mut arguments = arguments.clone();
+                    match (&option, value) {
+                        (Some(option), Some(value)) => arguments.push(format!("{option}={value}")),
+                        (Some(option), None) => arguments.push(option.clone()),
+                        (None, value) => arguments.push(value.unwrap_or_default().to_owned()),
+                    }
+                    let what = format!("{name} {}", option.as_deref().unwrap_or(arg.get_id().as_str()));
+                    (what, Line { arguments })
+                };
+                if !arg.get_action().takes_values() {
+                    lines.push(with(None));
+                    continue;
+                }
+                let long = "9".repeat(100_000);
+                let values = NUMBERS.iter().chain(&WORDS).chain(&INPUTS).chain(&OUTPUTS).copied().chain([&long[..]]);
+                lines.extend(values.map(|value| with(Some(value))));
+            }
+        }
+        let grand = erard::Instrument::builtin("concert-grand-rigid").unwrap();
+        for (name, _) in erard::parameter::Parameter::all(&grand) {
+            for value in NUMBERS {
+                let played =
+                    ["study", "--instrument=concert-grand-rigid", "--force-step=5", "--duration=0.002", "--json"];
+                let arguments = played.iter().map(|one| (*one).to_owned()).chain([format!("--vary={name}={value}")]);
+                lines.push((name.clone(), Line { arguments: arguments.collect() }));
+            }
+        }
+        lines
     }
 
     /// As it is printed.
@@ -157,12 +234,12 @@ fn give(arg: &Arg, arguments: &mut Vec<String>, rng: &mut Rng) {
         return;
     }
     let names = arg.get_value_names().unwrap_or_default();
-    let asks = |what: &[&str]| what.iter().any(|what| names.iter().any(|name| name.contains(what)));
+    let asks = |what: &[&str]| what.iter().any(|what| names.iter().any(|name| name.to_uppercase().contains(what)));
     let pick = |from: &[&str], rng: &mut Rng| from[rng.usize(..from.len())].to_owned();
     let own: Vec<String> = arg.get_possible_values().iter().map(|one| one.get_name().to_owned()).collect();
     let value = match rng.u8(..100) {
         0..60 if ["out", "out_file"].iter().any(|id| arg.get_id() == *id) || asks(&["DIR"]) => pick(&OUTPUTS, rng),
-        0..60 if asks(&["FILE", "CSV", "RECORDING", "NAME", "INSTRUMENT", "KEYBOARD"]) => pick(&INPUTS, rng),
+        0..60 if asks(&FILES) => pick(&INPUTS, rng),
         0..60 if !own.is_empty() => own[rng.usize(..own.len())].clone(),
         0..80 => pick(&NUMBERS, rng),
         80..86 => pick(&INPUTS, rng),

@@ -7,6 +7,7 @@
 mod line;
 mod world;
 
+use std::borrow::Cow;
 use std::io::Read;
 use std::process::Stdio;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -46,6 +47,28 @@ mod nightly {
     fn nothing_is_lost_by_thousands() {
         super::attack(1000..4000);
     }
+
+    #[test]
+    #[ignore = "nightly: every option of every command, and every name of the register, with hostile values"]
+    fn nothing_is_lost_by_any_value() {
+        let lines = super::Line::swept();
+        // Every eleventh of some twenty thousand: each option with seven of its values. ERARD_SWEEP=1 plays all.
+        let step = std::env::var("ERARD_SWEEP").ok().and_then(|step| step.parse().ok()).unwrap_or(11);
+        super::sweep(&lines.iter().step_by(step).collect::<Vec<_>>());
+    }
+}
+
+/// Every second option of every command, and name of the register, once, each with another of the hostile values.
+#[test]
+#[ignore = "ci: a hostile value for every second option"]
+fn nothing_is_lost_by_a_value_for_each_option() {
+    let all = Line::swept();
+    let mut chosen: Vec<&(String, Line)> = Vec::new();
+    let groups = all.chunk_by(|a, b| a.0 == b.0).step_by(2);
+    chosen.extend(groups.enumerate().map(|(n, group)| &group[7 * n % group.len()]));
+    // What the program and the register hold today, and no fewer.
+    assert!(chosen.len() > 150 && all.len() > 10_000, "{} options, {} lines", chosen.len(), all.len());
+    sweep(&chosen);
 }
 
 #[test]
@@ -58,6 +81,15 @@ fn one_seed() {
 /// Plays the command lines of these seeds, after which nothing may be wrong. How many were done, refused, and ended
 /// from outside.
 fn attack(seeds: std::ops::Range<u64>) -> [usize; 3] {
+    play_all(seeds, &|seed| Cow::Owned(Line::of(seed)))
+}
+
+/// The same of lines.
+fn sweep(lines: &[&(String, Line)]) -> [usize; 3] {
+    play_all(0..lines.len() as u64, &|n| Cow::Borrowed(&lines[n as usize].1))
+}
+
+fn play_all<'a>(seeds: std::ops::Range<u64>, line: &(dyn Fn(u64) -> Cow<'a, Line> + Sync)) -> [usize; 3] {
     let next = AtomicU64::new(seeds.start);
     let ends = [const { AtomicUsize::new(0) }; 3];
     let threads = std::thread::available_parallelism().map_or(2, std::num::NonZero::get);
@@ -70,7 +102,7 @@ fn attack(seeds: std::ops::Range<u64>) -> [usize; 3] {
                 if seed >= seeds.end {
                     return found;
                 }
-                let (code, faults) = play(&world, seed);
+                let (code, faults) = play(&world, &line(seed));
                 let end = code.map_or(2, |code| usize::from(code == 2));
                 ends[end].fetch_add(1, Ordering::Relaxed);
                 found.extend(faults.into_iter().map(|fault| (seed, fault)));
@@ -95,18 +127,17 @@ struct Ended {
 }
 
 /// Plays one command line: its exit code, and what is wrong with what it did.
-fn play(world: &World, seed: u64) -> (Option<i32>, Vec<String>) {
-    let line = Line::of(seed);
+fn play(world: &World, line: &Line) -> (Option<i32>, Vec<String>) {
     let before = world.look();
-    let ended = run(world, &line);
+    let ended = run(world, line);
     let mut faults = Vec::new();
     if let Some(ended) = &ended {
-        said_well(&line, ended, &mut faults);
+        said_well(line, ended, &mut faults);
     } else {
         faults.push("did not end when it was asked to".to_owned());
     }
     let code = ended.and_then(|ended| ended.code);
-    faults.extend(world.faults(&before, &line, code));
+    faults.extend(world.faults(&before, line, code));
     (code, faults.into_iter().map(|fault| format!("{}: {fault}", line.shown())).collect())
 }
 

@@ -16,7 +16,7 @@ const GRAND: &str = include_str!("../../../../erard/instruments/concert-grand-ri
 const STROKE: &str = "time_s,force_N,position_m\n0,0,0\n0.01,3,0.001\n0.02,3,0.003\n";
 
 /// Input files.
-pub const INPUTS: [&str; 24] = [
+pub const INPUTS: [&str; 31] = [
     "in/good.toml",
     "in/good.csv",
     "in/empty.toml",
@@ -41,6 +41,13 @@ pub const INPUTS: [&str; 24] = [
     "in/pipe.csv",
     "earlier/run.csv",
     "earlier/summary.json",
+    "in/piece.mid",
+    "in/cut.mid",
+    "in/tracks.mid",
+    "in/tone.wav",
+    "in/cut.wav",
+    "in/readings.csv",
+    "in/library.so",
 ];
 
 /// Where results are to go.
@@ -119,6 +126,11 @@ impl World {
                 continue;
             }
             let name = path.to_string_lossy();
+            if let Some(Thing::File(bytes)) = new
+                && let Some(none) = no_number(&name, bytes)
+            {
+                fault(path, &format!("holds `{none}`, which is no number"));
+            }
             if !is_done {
                 fault(path, "has changed");
             } else if path.ancestors().any(|own| is_stage(own) && !before.contains_key(own)) {
@@ -148,6 +160,18 @@ impl World {
             }
         }
         faults
+    }
+}
+
+/// What stands in a table or in JSON where a number belongs, and is none.
+fn no_number<'a>(name: &str, bytes: &'a [u8]) -> Option<&'a str> {
+    let text = std::str::from_utf8(bytes).ok()?;
+    let is_none = |cell: &&str| ["nan", "inf", "-inf", "infinity", "-infinity"].contains(&&cell.to_lowercase()[..]);
+    match name.rsplit_once('.')?.1 {
+        "csv" => text.lines().flat_map(|line| line.split(',')).find(is_none),
+        // JSON has no word for them.
+        "json" => serde_json::from_str::<Value>(text).is_err().then_some(&text[..text.len().min(60)]),
+        _ => None,
     }
 }
 
@@ -229,6 +253,17 @@ fn make(folder: &Folder) {
     let keyboard = "format = \"erard-keyboard/1\"\nname = \"K\"\ninstrument = \"concert-grand\"\ninstrument_key = 40\n";
     write("in/keyboard.toml", keyboard.as_bytes());
     write("in/\u{1b}[2J.toml", GRAND.as_bytes());
+    // A piece; one cut short; one that announces 65 535 tracks; a sound, and one cut in its header; what a sensor reads;
+    // the beginning of a library.
+    let piece = crate::play::two_notes();
+    write("in/piece.mid", &piece);
+    write("in/cut.mid", &piece[..piece.len() - 9]);
+    write("in/tracks.mid", b"MThd\0\0\0\x06\0\x01\xff\xff\0\x60MTrk\0\0\0\x04\0\xff\x2f\0");
+    let tone = crate::listen::two_stages(0.3);
+    write("in/tone.wav", &tone);
+    write("in/cut.wav", &tone[..40]);
+    write("in/readings.csv", crate::live::sensed("mm", 0.0, 9.9).as_bytes());
+    write("in/library.so", b"\x7fELF\x02\x01\x01\0\0\0\0\0\0\0\0\0\x03\0\x3e\0");
     write("mine/note.txt", b"keep me");
     for name in ["run.csv", "summary.json", "action.svg", "study.csv", "measure.json", "press-erard.1"] {
         write(&format!("mine/{name}"), b"mine");
