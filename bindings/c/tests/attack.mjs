@@ -1,11 +1,11 @@
-// node attack.mjs erard_c.wasm [FIRST] [LAST]: what a page could pass to the library by mistake, drawn by chance from the
-// declarations of erard.h, so that a function that was added today is attacked today: numbers that are none, no object,
-// texts that end outside of the memory, memory outside of it.
+// node attack.mjs erard_c.wasm [FIRST] [LAST]: what a page could pass to the library by mistake, drawn by chance from
+// the declarations of erard.h, so that a function that was added today is attacked today: numbers that are none, no
+// object, texts that end outside of the memory, memory outside of it.
 //
-// The module may import nothing. A call is answered, refused in words, or, only where an address or a length lies outside
-// of the memory, stopped by WebAssembly's own checks (bounds, and the functions of an object that is none); the library
-// never ends itself (`unreachable`), and takes no number that is none. Prints how many calls ended how, and ends with 1
-// where one was wrong.
+// The module may import nothing. A call is answered, refused in words, or, only where an address or a length lies
+// outside of the memory, stopped by WebAssembly's own checks (bounds, and the functions of an object that is none);
+// the library never ends itself (`unreachable`), and takes no number that is none. Prints how many calls ended how,
+// and ends with 1 where one was wrong.
 import { readFile } from "node:fs/promises";
 
 const [path, from = "1", to = "800"] = process.argv.slice(2);

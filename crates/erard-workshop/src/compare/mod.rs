@@ -117,8 +117,8 @@ impl Default for Choice {
 }
 
 impl Choice {
-    /// Limits the comparison by a prepared recording's noise, low-pass, sample rate and rest before the touch, and takes
-    /// from it what may be wrong with its channels.
+    /// Limits the comparison by a prepared recording's noise, low-pass, sample rate and rest before the touch, and
+    /// takes from it what may be wrong with its channels.
     #[must_use]
     pub fn limited_by(mut self, report: &Report) -> Self {
         for (limit, role) in self.tells_to_hz.iter_mut().zip([Role::Force, Role::Position, Role::HammerHead]) {

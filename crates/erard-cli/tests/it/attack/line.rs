@@ -135,7 +135,8 @@ impl Line {
             let short = SHORT.iter().find(|(own, _)| *own == name).map_or(&[][..], |(_, short)| short);
             for arg in command.get_arguments().filter(|one| one.get_id() != "help") {
                 let option = arg.get_long().map(|long| format!("--{long}"));
-                // What makes the command short, without this option and its value, and without files where one is tried.
+                // What makes the command short, without this option and its value, and without files where one is
+                // tried.
                 let mut arguments = vec![name.to_owned()];
                 let mut is_own = false;
                 for one in short {

@@ -253,7 +253,7 @@ fn make(folder: &Folder) {
     let keyboard = "format = \"erard-keyboard/1\"\nname = \"K\"\ninstrument = \"concert-grand\"\ninstrument_key = 40\n";
     write("in/keyboard.toml", keyboard.as_bytes());
     write("in/\u{1b}[2J.toml", GRAND.as_bytes());
-    // A piece; one cut short; one that announces 65 535 tracks; a sound, and one cut in its header; what a sensor reads;
+    // A piece; one cut short; one that announces 65 535 tracks; a sound; one cut in its header; what a sensor reads;
     // the beginning of a library.
     let piece = crate::play::two_notes();
     write("in/piece.mid", &piece);
