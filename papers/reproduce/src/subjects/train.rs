@@ -38,7 +38,7 @@ const WAY_M: [f64; 2] = [10e-3, 45e-3];
 /// Parts of it, m.
 const PARTS_M: [[f64; 2]; 3] = [[12e-3, 24e-3], [24e-3, 36e-3], [36e-3, 45e-3]];
 /// Recorded strokes, the medium one first; the others were struck.
-const STROKES: [(&str, &str); 6] = [
+pub(super) const STROKES: [(&str, &str); 6] = [
     ("medium", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-medium.csv")),
     ("fast", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-fast.csv")),
     ("struck-1", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-1.csv")),

@@ -190,3 +190,33 @@ mod nightly {
         }
     }
 }
+
+/// What the papers leave for later says what is true today: of strings, bends, recordings and estimates it is looked
+/// up, and every subject that it names exists.
+#[test]
+fn what_is_left_for_later_is_looked_up() {
+    let section = section("outlook");
+    let rows = &section.tables[0].rows;
+    let row = |what: &str| rows.iter().find(|row| row[0].contains(what)).unwrap_or_else(|| panic!("{what}"));
+    let has_strings = Instrument::builtin("concert-grand-strings").unwrap().has_yielding_strings();
+    assert!(has_strings && row("the string's own motion")[3].contains("concert-grand-strings"));
+    assert_eq!(row("the string's own motion")[2], "as an option");
+    // The recordings are of key and hammer.
+    assert!(row("measured force")[2] == "tool only" && row("measured force")[3].contains("0 of 6"), "{rows:?}");
+    let estimates: Vec<usize> = row("identified")[3].split(' ').filter_map(|word| word.parse().ok()).collect();
+    assert!(estimates[0] > 10 && estimates[0] <= estimates[1] && row("identified")[2] == "no", "{rows:?}");
+    for key in ["dry_loss", "relaxed", "bushing_N_per_m", "static_friction_ratio", "dwell_s"] {
+        assert!(row("hysteresis")[3].contains(key), "{key}: {rows:?}");
+    }
+    let known: Vec<&str> = subjects().iter().map(|subject| subject.name).collect();
+    let mut named = 0;
+    for how in rows.iter().map(|row| &row[3]) {
+        for asked in how.split("--only ").skip(1) {
+            for name in asked.split('`').next().unwrap().split(',') {
+                assert!(known.contains(&name), "{name}: {known:?}");
+                named += 1;
+            }
+        }
+    }
+    assert!(named >= 8, "{named}");
+}
