@@ -4,7 +4,7 @@
 import { readFileSync } from "node:fs";
 import { assert, until } from "./help.mjs";
 
-const table = (name) => readFileSync(new URL(`../../crates/erard/tests/${name}`, import.meta.url), "utf8").trimEnd().split("\n").slice(1).map((row) => row.split("\t"));
+const table = (name) => readFileSync(new URL(`../../crates/erard-core/tests/${name}`, import.meta.url), "utf8").trimEnd().split("\n").slice(1).map((row) => row.split("\t"));
 
 /** The number at a path of an instrument's file, in the file's unit. */
 const numberAt = (text, path) => {

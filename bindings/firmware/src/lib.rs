@@ -1,7 +1,7 @@
 //! The whole grand without the standard library and without a heap: what a control loop on a chip steps.
 //!
 //! `grand.rs` is the built-in instrument as source, made by `.ci/regenerate firmware` and
-//! checked by `crates/erard/tests/it/firmware.rs`. The model is built at start, on the stack or in a static.
+//! checked by `crates/erard-core/tests/it/firmware.rs`. The model is built at start, on the stack or in a static.
 
 #![no_std]
 
@@ -11,7 +11,7 @@ mod board;
 mod board_keys;
 #[path = "../../c/src/caller_struct.rs"]
 mod caller_struct;
-#[path = "../../../crates/erard/src/fnv1a.rs"]
+#[path = "../../../crates/erard-core/src/fnv1a.rs"]
 mod fnv1a;
 // Generated: a test compares it with what the example prints.
 #[rustfmt::skip]

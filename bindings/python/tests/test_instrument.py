@@ -168,7 +168,7 @@ def test_a_diagnosis() -> None:
             erard.diagnose(**wrong)
 
 
-TYPED = Path(__file__).parents[3] / "crates" / "erard" / "tests" / "typed.tsv"
+TYPED = Path(__file__).parents[3] / "crates" / "erard-core" / "tests" / "typed.tsv"
 
 
 @pytest.mark.parametrize("row", [row for row in TYPED.read_text(encoding="utf-8").splitlines()[1:]])

@@ -10,7 +10,7 @@ import erard
 import numpy as np
 import pytest
 
-RANGES = Path(__file__).parents[3] / "crates" / "erard" / "tests" / "ranges.csv"
+RANGES = Path(__file__).parents[3] / "crates" / "erard-core" / "tests" / "ranges.csv"
 
 
 TIME_S = np.arange(60) * 1e-3

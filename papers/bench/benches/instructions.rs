@@ -1,8 +1,8 @@
 //! Instructions per step of the played note that `press` times, and per step of a group of four grands in the lanes of
 //! AVX2 (whatever more the processor has, so that the count is the same on all that have it). Counts repeat to the
 //! digit, seconds do not. Beside them the step of [`erard::Action`] with everything read (rest-skipping off), and steps
-//! of the same note on the grand with bending parts, of 6 to 9 bodies (`crates/erard/tests/bending/`), alone and in
-//! four lanes; of the grand with dry felts, and with strings; and of the default instrument, alone and in lanes.
+//! of the same note on the grand with bending parts, of 6 to 9 bodies (`crates/erard-core/tests/bending/`), alone and
+//! in four lanes; of the grand with dry felts, and with strings; and of the default instrument, alone and in lanes.
 //!
 //! `cargo bench -p erard-bench --bench instructions` runs itself under valgrind's callgrind, over a whole note and
 //! over none of it; the difference is the steps'. It is a gate: `-- --at-most N` fails (exit code 1) above N
@@ -64,7 +64,7 @@ fn concert_grand() -> Instrument {
 
 /// The concert grand with so many bodies, its felts without memory.
 fn bending(bodies: usize) -> Instrument {
-    let path = format!("{}/../../crates/erard/tests/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/../../crates/erard-core/tests/bending/{bodies}-bodies.toml", env!("CARGO_MANIFEST_DIR"));
     Instrument::load(std::path::Path::new(&path)).expect("it reads")
 }
 

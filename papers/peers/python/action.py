@@ -1,6 +1,6 @@
 """The exported action for the Python peers: its felts and, where a peer has no mechanics of its own, its equations of motion.
 
-Compiled by numba. Written from the mechanism's JSON alone (its format stands in crates/erard/examples/peers/export.rs); it shares
+Compiled by numba. Written from the mechanism's JSON alone (its format stands in crates/erard-core/examples/peers/export.rs); it shares
 nothing with Erard's engine nor with the Rust peer. Friction is regularised: tanh(u / width) replaces the set-valued sign.
 SI units; x toward the back of the piano, y up, angles absolute and counter-clockwise.
 """

@@ -1,5 +1,5 @@
 //! The exported mechanism as in the JSON. Its schema is described with the exporter,
-//! `crates/erard/examples/export_mechanism.rs`.
+//! `crates/erard-core/examples/export_mechanism.rs`.
 
 use serde::Deserialize;
 

@@ -236,7 +236,7 @@ impl Keyboard {
     }
 
     fn strung() -> Self {
-        let text = include_str!("../../../../crates/erard/keyboards/concert-grand-strings.toml");
+        let text = include_str!("../../../../crates/erard-core/keyboards/concert-grand-strings.toml");
         let keyboard = unsafe { erard_keyboard_new(text.as_ptr().cast(), text.len(), 50e-6, null_mut()) };
         assert!(!keyboard.is_null(), "{}", last_error());
         Keyboard(keyboard)

@@ -81,12 +81,12 @@ fn interface(front: &str) -> String {
     let all = |paths: &[&str]| paths.iter().map(|path| read(path)).collect::<Vec<_>>().join("\n");
     match front {
         "Rust" => all(&[
-            "crates/erard/src/player/action.rs",
-            "crates/erard/src/player/input.rs",
-            "crates/erard/src/keyboard/keys.rs",
-            "crates/erard/src/keyboard/file.rs",
-            "crates/erard/src/strings/modal/reading.rs",
-            "crates/erard/src/parameter/register.rs",
+            "crates/erard-core/src/player/action.rs",
+            "crates/erard-core/src/player/input.rs",
+            "crates/erard-core/src/keyboard/keys.rs",
+            "crates/erard-core/src/keyboard/file.rs",
+            "crates/erard-core/src/strings/modal/reading.rs",
+            "crates/erard-core/src/parameter/register.rs",
             "crates/erard-workshop/src/diagnose/report.rs",
         ]),
         "Python" => all(&[

@@ -7,13 +7,13 @@ mod exact;
 mod fmi;
 mod fmi_keyboard;
 mod fronts;
-#[path = "../../../../crates/erard/tests/common/generated.rs"]
+#[path = "../../../../crates/erard-core/tests/common/generated.rs"]
 mod generated;
 mod haptic;
 mod haptic_loop;
 mod header;
 mod memory;
-#[path = "../../../../crates/erard/tests/common/not_run.rs"]
+#[path = "../../../../crates/erard-core/tests/common/not_run.rs"]
 mod not_run;
 mod object;
 mod pages;
@@ -40,7 +40,7 @@ impl Action {
 
     /// The built-in concert grand whose strings yield.
     pub(crate) fn strung() -> Self {
-        Action::of(include_str!("../../../../crates/erard/instruments/concert-grand-strings.toml"))
+        Action::of(include_str!("../../../../crates/erard-core/instruments/concert-grand-strings.toml"))
     }
 
     /// What a file's text describes.

@@ -8,7 +8,7 @@ use erard_c::*;
 use crate::Action;
 
 /// Rows of `quantity, value, accepted`, which every front is held against.
-const RANGES: &str = include_str!("../../../../crates/erard/tests/ranges.csv");
+const RANGES: &str = include_str!("../../../../crates/erard-core/tests/ranges.csv");
 
 /// Whether an instrument could be made, which then goes.
 fn made(instrument: *mut ErardInstrument) -> bool {
@@ -58,7 +58,7 @@ fn numbers_are_refused_as_by_the_other_fronts() {
 }
 
 /// Rows of `name, text, command, other`: what C makes of a text.
-const TYPED: &str = include_str!("../../../../crates/erard/tests/typed.tsv");
+const TYPED: &str = include_str!("../../../../crates/erard-core/tests/typed.tsv");
 
 /// Texts of changes are read as the table says, which the command and Python are held against, too.
 #[test]
@@ -102,7 +102,7 @@ fn texts_are_read_as_by_the_other_fronts() {
 
 /// Rows of `instrument, name, text, command, other, path, file_si`, generated from the register: C takes those of
 /// `other`.
-const REGISTERED: &str = include_str!("../../../../crates/erard/tests/typed-register.tsv");
+const REGISTERED: &str = include_str!("../../../../crates/erard-core/tests/typed-register.tsv");
 
 /// The number at a path of an instrument's file.
 fn number(instrument: *const ErardInstrument, path: &str) -> f64 {

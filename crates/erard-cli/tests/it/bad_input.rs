@@ -4,7 +4,7 @@ use std::io::Write;
 
 use crate::common::Folder;
 
-const GRAND: &str = include_str!("../../../erard/instruments/concert-grand.toml");
+const GRAND: &str = include_str!("../../../erard-core/instruments/concert-grand.toml");
 
 /// The concert grand with its first `what` replaced, and the line (from 1) where that stood.
 fn damaged(what: &str, by: &str) -> (String, usize) {

@@ -58,9 +58,9 @@ const KEYBOARDS: usize = 4;
 fn check_knows_every_format() {
     let folder = Folder::new("desk-check");
     let files: usize = [
-        ("erard/instruments", "an instrument"),
+        ("erard-core/instruments", "an instrument"),
         ("erard-kinematics/linkages", "a linkage"),
-        ("erard/strokes", "a stroke"),
+        ("erard-core/strokes", "a stroke"),
         ("erard-workshop/validation", "published measurements"),
     ]
     .map(|(home, kind)| checked(&folder, home, kind))
@@ -236,7 +236,7 @@ mod nightly {
     #[test]
     #[ignore = "nightly: keyboards of 88 keys"]
     fn check_knows_keyboards() {
-        let files = checked(&Folder::new("desk-check-keyboards"), "erard/keyboards", "a keyboard");
+        let files = checked(&Folder::new("desk-check-keyboards"), "erard-core/keyboards", "a keyboard");
         assert!(files >= KEYBOARDS, "only {files} files");
     }
 

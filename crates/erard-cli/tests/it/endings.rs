@@ -64,7 +64,7 @@ fn control_c_is_heard_everywhere() {
 fn heard(everywhere: bool) {
     let folder = Folder::new("control-c");
     folder.file("mill.toml", &mill());
-    folder.file("mf.csv", include_str!("../../../erard/recordings/heavier-mf.csv"));
+    folder.file("mf.csv", include_str!("../../../erard-core/recordings/heavier-mf.csv"));
     let before = folder.names();
     for (arguments, delays_ms) in [
         (&["press", "--drive", "force", "--instrument", "mill.toml"][..], &[30_u64][..]),

@@ -5,8 +5,8 @@ use erard::instrument::Instrument;
 use erard::parameter::Parameter;
 use serde_json::Value;
 
-const MF: &str = include_str!("../../../erard/recordings/heavier-mf.csv");
-const F: &str = include_str!("../../../erard/recordings/heavier-f.csv");
+const MF: &str = include_str!("../../../erard-core/recordings/heavier-mf.csv");
+const F: &str = include_str!("../../../erard-core/recordings/heavier-f.csv");
 
 fn json(folder: &Folder) -> Value {
     serde_json::from_str(&folder.read("erard-out-fit/fit.json")).unwrap()

@@ -46,7 +46,7 @@ fn metadata(svg: &str) -> Value {
 #[test]
 fn a_run_names_what_made_it() {
     let folder = Folder::new("identity-run");
-    folder.file("mine.toml", include_str!("../../../erard/instruments/concert-grand.toml"));
+    folder.file("mine.toml", include_str!("../../../erard-core/instruments/concert-grand.toml"));
     folder.file("a stroke.csv", "time_s,force_N\n0,0\n0.03,5\n0.2,5\n");
     let arguments =
         ["press", "a stroke.csv", "--instrument", "mine.toml", "--duration", "0.1", "--out", "somewhere", "--force"];
@@ -116,7 +116,7 @@ fn the_command_makes_it_again() {
 #[test]
 fn every_command_s_results() {
     let folder = Folder::new("identity-all");
-    folder.file("concert-grand.toml", include_str!("../../../erard/instruments/concert-grand.toml"));
+    folder.file("concert-grand.toml", include_str!("../../../erard-core/instruments/concert-grand.toml"));
     let grand = sha256sum(&folder, "concert-grand.toml");
     folder.good(&["press", "--duration", "0.05", "--out", "run"]);
     for (arguments, files) in [

@@ -424,7 +424,7 @@ mod nightly {
 
 fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
     let folder = Folder::new("json");
-    folder.file("mine.toml", include_str!("../../../erard/instruments/concert-grand.toml"));
+    folder.file("mine.toml", include_str!("../../../erard-core/instruments/concert-grand.toml"));
     folder.good(&["press", "--stroke", "f", "--out", "run"]);
     let table = folder.read("run/run.csv");
     let part: Vec<String> = table.lines().map(|l| [0, 2].map(|k| l.split(',').nth(k).unwrap()).join(",")).collect();
@@ -447,7 +447,7 @@ fn answer_by_their_schemas(chosen: &dyn Fn(&str) -> bool) {
     std::fs::write(folder.0.join("C4.wav"), crate::listen::two_stages(0.3)).unwrap();
     folder.file("weighed.csv", crate::weigh::FEW_KEYS);
     folder.file("stuck.toml", crate::keyboard::STUCK);
-    folder.file("grand.toml", include_str!("../../../erard/instruments/concert-grand.toml"));
+    folder.file("grand.toml", include_str!("../../../erard-core/instruments/concert-grand.toml"));
     folder.good(&["press", "--stroke", "p", "--out", "soft"]);
     std::fs::write(folder.0.join("liberard.so"), crate::fmu::library()).unwrap();
     std::fs::write(folder.0.join("two.mid"), crate::play::two_notes()).unwrap();

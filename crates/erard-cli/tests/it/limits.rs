@@ -54,7 +54,7 @@ fn a_file_at_its_limit() {
     let said = refused(&folder, "check line.toml");
     assert!(said.contains("line.toml:1:") && said.len() < 1000, "{} characters", said.len());
     let name = format!("name = \"{}\"\n", "x".repeat(200));
-    let grand = include_str!("../../../erard/instruments/concert-grand.toml");
+    let grand = include_str!("../../../erard-core/instruments/concert-grand.toml");
     let own = grand.lines().find(|line| line.starts_with("name = ")).unwrap();
     folder.file("name.toml", &grand.replacen(own, name.trim(), 1));
     assert!(refused(&folder, "check name.toml").contains("too long for a name"));
@@ -87,7 +87,7 @@ fn rows() {
 #[test]
 fn nothing_steers_the_terminal() {
     let folder = Folder::new("limits-steers");
-    let grand = include_str!("../../../erard/instruments/concert-grand.toml");
+    let grand = include_str!("../../../erard-core/instruments/concert-grand.toml");
     let name = grand.lines().find(|line| line.starts_with("name = ")).unwrap();
     let raw = |output: std::process::Output| {
         assert_eq!(output.status.code(), Some(2));
@@ -122,7 +122,7 @@ fn keyboards_do_not_show_other_files() {
     let folder = Folder::new("limits-keyboard");
     folder.file("secret", "password = hunter2\n");
     fs::create_dir(folder.0.join("keys")).unwrap();
-    let keyboard = include_str!("../../../erard/keyboards/concert-grand.toml");
+    let keyboard = include_str!("../../../erard-core/keyboards/concert-grand.toml");
     let pointing = |to: &str| keyboard.replacen("instrument = \"concert-grand\"", &format!("instrument = \"{to}\""), 1);
     folder.file("keys/out.toml", &pointing("../secret"));
     folder.file("keys/in.toml", &pointing("secret"));
@@ -140,7 +140,7 @@ fn keyboards_do_not_show_other_files() {
     folder.file("keys/secret", "password = 5\n");
     assert!(folder.bad(&["check", "keys/in.toml"]).contains("password"));
     // Elsewhere too it may be used.
-    folder.file("grand.toml", include_str!("../../../erard/instruments/concert-grand.toml"));
+    folder.file("grand.toml", include_str!("../../../erard-core/instruments/concert-grand.toml"));
     folder.file("keys/out.toml", &pointing("../grand.toml"));
     assert!(folder.good(&["keyboard", "keys/out.toml", "--key", "88"]).contains("key 88"));
 }
@@ -149,9 +149,9 @@ fn keyboards_do_not_show_other_files() {
 #[ignore = "ci: all 88 keys"]
 fn keyboards_with_an_instrument_elsewhere_are_checked() {
     let folder = Folder::new("limits-keyboard-elsewhere");
-    let keyboard = include_str!("../../../erard/keyboards/concert-grand.toml");
+    let keyboard = include_str!("../../../erard-core/keyboards/concert-grand.toml");
     fs::create_dir(folder.0.join("keys")).unwrap();
-    folder.file("grand.toml", include_str!("../../../erard/instruments/concert-grand.toml"));
+    folder.file("grand.toml", include_str!("../../../erard-core/instruments/concert-grand.toml"));
     let pointing = keyboard.replacen("instrument = \"concert-grand\"", "instrument = \"../grand.toml\"", 1);
     folder.file("keys/out.toml", &pointing);
     assert!(folder.good(&["check", "keys/out.toml"]).contains("88"));
@@ -231,7 +231,7 @@ fn memory_is_linear_in_the_input() {
         }
         text
     };
-    let grand = include_str!("../../../erard/instruments/concert-grand.toml");
+    let grand = include_str!("../../../erard-core/instruments/concert-grand.toml");
     let instrument =
         |bytes: usize| format!("{grand}\n{}", "# a remark of forty letters, as there are\n".repeat(bytes / 42));
     let weights = |rows: usize| {

@@ -1,9 +1,9 @@
 //! The tests of the command: one program, so that it is linked once.
 
 mod common;
-#[path = "../../../erard/tests/common/generated.rs"]
+#[path = "../../../erard-core/tests/common/generated.rs"]
 mod generated;
-#[path = "../../../erard/tests/common/not_run.rs"]
+#[path = "../../../erard-core/tests/common/not_run.rs"]
 mod not_run;
 
 #[cfg(target_os = "linux")]

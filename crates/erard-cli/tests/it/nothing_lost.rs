@@ -7,7 +7,7 @@ use std::process::Output;
 use crate::common::Folder;
 use crate::common::tree::look;
 
-const GRAND: &str = include_str!("../../../erard/instruments/concert-grand.toml");
+const GRAND: &str = include_str!("../../../erard-core/instruments/concert-grand.toml");
 const STROKE: &str = "time_s,force_N\n0,0\n0.01,3\n0.02,3\n";
 const SHORT: [&str; 3] = ["press", "--duration", "0.005"];
 
@@ -75,7 +75,7 @@ fn an_input_is_never_replaced() {
     // The base of a keyboard is read too.
     let keys = Folder::new("inputs-keyboard");
     keys.file("key.toml", GRAND);
-    let keyboard = include_str!("../../../erard/keyboards/concert-grand.toml");
+    let keyboard = include_str!("../../../erard-core/keyboards/concert-grand.toml");
     keys.file("keys.toml", &keyboard.replacen("instrument = \"concert-grand\"", "instrument = \"key.toml\"", 1));
     refused(
         &keys,

@@ -3,7 +3,7 @@
 use crate::common::Folder;
 
 /// Rows of `quantity, value, accepted`, which every front is held against.
-const RANGES: &str = include_str!("../../../erard/tests/ranges.csv");
+const RANGES: &str = include_str!("../../../erard-core/tests/ranges.csv");
 
 #[test]
 fn numbers_are_refused_as_by_the_other_fronts() {
@@ -73,7 +73,7 @@ fn numbers_are_refused_as_by_the_other_fronts() {
 fn texts_are_refused_as_by_the_other_fronts() {
     let folder = Folder::new("typed");
     let mut tried = 0;
-    for row in include_str!("../../../erard/tests/typed.tsv").lines().skip(1) {
+    for row in include_str!("../../../erard-core/tests/typed.tsv").lines().skip(1) {
         let [name, text, expected, _] = row.split('\t').collect::<Vec<_>>().try_into().expect("four columns");
         if let Some(told) = expected.strip_prefix("no ") {
             let said = folder.bad(&["study", &format!("--vary={name}={text}"), "--force-step", "5"]);

@@ -312,7 +312,7 @@ fn zstandard_is_read() {
 #[test]
 fn the_back_of_a_key_is_compared() {
     let folder = Folder::new("recordings-back");
-    let recorded = concat!(env!("CARGO_MANIFEST_DIR"), "/../erard/recordings/kawai-kg-3c-struck-1.csv");
+    let recorded = concat!(env!("CARGO_MANIFEST_DIR"), "/../erard-core/recordings/kawai-kg-3c-struck-1.csv");
     folder.file("struck.csv", &std::fs::read_to_string(recorded).unwrap());
     let arguments = ["compare", "struck.csv", "--drive", "rigid", "--model", "action", "--no-pictures", "--out"];
     let compared = |name: &str, position: &[&str]| {

@@ -76,7 +76,7 @@ fn a_validated_grand() {
 fn what_is_no_action_is_refused() {
     let folder = Folder::for_command("validate", "bad");
     assert!(folder.bad(&["--instrument", "harpsichord"]).contains("no built-in instrument `harpsichord`"));
-    folder.file("clock.toml", include_str!("../../../erard/tests/instruments/escapement.toml"));
+    folder.file("clock.toml", include_str!("../../../erard-core/tests/instruments/escapement.toml"));
     let told = folder.bad(&["--instrument", "clock.toml"]);
     assert!(told.contains("clock.toml") && told.contains("names no `key`"), "{told}");
 }

@@ -1,7 +1,7 @@
 //! The tests of linkages and of the three levers: one program, so that it is linked once.
 
 mod common;
-#[path = "../../../erard/tests/common/generated.rs"]
+#[path = "../../../erard-core/tests/common/generated.rs"]
 mod generated;
 #[path = "../../../moreau-rigid/src/problems/closed_forms.rs"]
 mod textbook;

@@ -9,7 +9,7 @@ use erard_live::sensor::{CNY70, Law, LawFault};
 
 /// Columns of a recording of the Kawai KG-3C beside this crate: times, and the key's as read or in mm.
 fn recording(name: &str, stroke: Option<&str>) -> Vec<[f64; 2]> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../erard/recordings").join(name);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../erard-core/recordings").join(name);
     let text = std::fs::read_to_string(path).unwrap();
     let mut lines = text.lines();
     let head: Vec<&str> = lines.next().unwrap().split(',').collect();

@@ -6,7 +6,7 @@ mod chip;
 mod clocks;
 mod common;
 mod contacts;
-#[path = "../../../erard/tests/common/generated.rs"]
+#[path = "../../../erard-core/tests/common/generated.rs"]
 mod generated;
 mod hammers;
 mod limited;

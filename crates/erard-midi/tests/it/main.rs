@@ -5,7 +5,7 @@ mod files;
 mod habits;
 mod laws;
 mod messages;
-#[path = "../../../erard/tests/common/not_run.rs"]
+#[path = "../../../erard-core/tests/common/not_run.rs"]
 mod not_run;
 mod notes;
 mod second_reader;

@@ -2,7 +2,7 @@
 
 mod common;
 mod files;
-#[path = "../../../erard/tests/common/generated.rs"]
+#[path = "../../../erard-core/tests/common/generated.rs"]
 mod generated;
 mod notes;
 mod pedals;

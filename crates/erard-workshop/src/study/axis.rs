@@ -683,7 +683,7 @@ mod tests {
     }
 
     /// Rows of `name, text, command, other`: what the command, and what C and Python make of a text for the grand.
-    const TYPED: &str = include_str!("../../../erard/tests/typed.tsv");
+    const TYPED: &str = include_str!("../../../erard-core/tests/typed.tsv");
 
     #[test]
     fn typed_texts_are_read_as_the_table_says() {
@@ -715,7 +715,7 @@ mod tests {
 
     /// Rows of `instrument, name, text, command, other, path, file_si`, generated from the register: every name, unit
     /// and spelling.
-    const REGISTERED: &str = include_str!("../../../erard/tests/typed-register.tsv");
+    const REGISTERED: &str = include_str!("../../../erard-core/tests/typed-register.tsv");
 
     #[test]
     fn the_register_is_read_as_the_table_says() {

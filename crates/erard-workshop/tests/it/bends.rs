@@ -13,7 +13,7 @@ use erard_workshop::measure::range::softest;
 use erard_workshop::measure::weights::on_the_scale;
 
 fn both() -> [Instrument; 2] {
-    let path = format!("{}/../erard/tests/bending/8-bodies.toml", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/../erard-core/tests/bending/8-bodies.toml", env!("CARGO_MANIFEST_DIR"));
     [Instrument::builtin("concert-grand-rigid").unwrap(), Instrument::load(Path::new(&path)).unwrap()]
 }
 

@@ -12,7 +12,7 @@ use fastrand::Rng;
 
 use crate::common::generated;
 
-const CLOCK: &str = include_str!("../../../erard/tests/instruments/escapement.toml");
+const CLOCK: &str = include_str!("../../../erard-core/tests/instruments/escapement.toml");
 const STROKE: &str = "# a short stroke\ntime_s,force_N,position_m,note\n0,0,0,\n0.001,0.5,0.0002,on\n0.0025,1.25,0.001,\n\
                       0.01,3e0,0.004,\"a, b\"\n0.02,5,0.009,\n0.05,0,0.0098,off\n";
 
@@ -313,7 +313,7 @@ fn many_damaged_keyboards() {
 }
 
 fn damage_keyboards(mutants: usize) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../erard/tests/instruments");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../erard-core/tests/instruments");
     assert!(Keyboard::parse(KEYBOARD, "good.toml", &folder).is_ok_and(|k| k.instruments().is_ok()));
     let mut chance = Chance::new(0x0f1e_2d3c_4b5a_6978);
     let (mut read, mut sound) = (0, 0);
@@ -397,7 +397,7 @@ fn assert_stroke_error_helpful(error: &StrokeError, bytes: &[u8]) {
 #[test]
 fn the_corpus_reads_or_is_refused_with_a_reason() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let (corpus, instruments) = (here.join("../../fuzz/seeds"), here.join("../erard/tests/instruments"));
+    let (corpus, instruments) = (here.join("../../fuzz/seeds"), here.join("../erard-core/tests/instruments"));
     let linkage = LinkageFile::builtin_text("c7f-like").expect("a text");
     // The report on an input; `read` if it can be read.
     let told = |target: &str, bytes: &[u8]| -> String {

@@ -201,7 +201,7 @@ fn all_keys_have_one_topology() {
 /// Errors of a keyboard file are reported with file, line, key, what was found and what was expected.
 #[test]
 fn wrong_files_are_told() {
-    let text = include_str!("../../../erard/keyboards/concert-grand.toml");
+    let text = include_str!("../../../erard-core/keyboards/concert-grand.toml");
     let told = |from: &str, to: &str| {
         assert_eq!(text.matches(from).count(), 1, "{from}");
         let error = Keyboard::parse(&text.replace(from, to), "my.toml", Path::new("")).expect_err(to).to_string();
@@ -255,7 +255,7 @@ fn wrong_files_are_told() {
 #[test]
 fn the_schema_is_up_to_date() {
     crate::common::generated::is_current(
-        "crates/erard/keyboards/keyboard.schema.json",
+        "crates/erard-core/keyboards/keyboard.schema.json",
         erard::keyboard::json_schema(),
         "keyboard-schema",
     );

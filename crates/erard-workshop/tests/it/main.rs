@@ -1,6 +1,6 @@
 //! Tests of the workshop: one program, so that it is linked once.
 
-#[path = "../../../erard/tests/common/mod.rs"]
+#[path = "../../../erard-core/tests/common/mod.rs"]
 mod common;
 
 mod bends;

@@ -26,7 +26,7 @@ use erard_workshop::study::{Job, Workers, play_all};
 use fastrand::Rng;
 use moreau::{FrictionLaw, Settings, Solver};
 
-const CLOCK: &str = include_str!("../../../erard/tests/instruments/escapement.toml");
+const CLOCK: &str = include_str!("../../../erard-core/tests/instruments/escapement.toml");
 /// Most steps of a run: far beyond the parser's last check; absurd mutants fail soon.
 const STEPS: u64 = 1200;
 /// Progress is asked every 512 steps: a search for the rest is interrupted after this many calls, as by Control-C.

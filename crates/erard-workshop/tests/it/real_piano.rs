@@ -23,7 +23,7 @@ fn regulated() -> Instrument {
 
 /// The recorded key drives the model's, where the sensor was: behind the balance pin.
 fn led(instrument: &Instrument, stroke: &str, low_pass_hz: f64) -> Comparison {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../erard/recordings/kawai-kg-3c-{stroke}.csv"));
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../erard-core/recordings/kawai-kg-3c-{stroke}.csv"));
     let text = std::fs::read(file).unwrap();
     let recording = Recording::read(text.as_slice(), stroke, &erard::stroke::Columns::default()).unwrap();
     let preparation = Preparation { low_pass: LowPass::At(low_pass_hz), ..Preparation::default() };
@@ -98,7 +98,7 @@ fn medium_and_fast_strokes_throw_the_hammer() {
 }
 
 fn recorded(name: &str) -> String {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../erard/recordings").join(name);
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../erard-core/recordings").join(name);
     std::fs::read_to_string(file).unwrap()
 }
 

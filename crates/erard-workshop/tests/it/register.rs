@@ -225,7 +225,7 @@ fn every_number_of_the_schema_is_registered() {
     let other: BTreeSet<String> = OTHER_NUMBERS.iter().map(|(path, _)| (*path).to_owned()).collect();
     let listed: BTreeSet<String> = registered.union(&other).cloned().collect();
     let missing: Vec<_> = schema.difference(&listed).collect();
-    assert!(missing.is_empty(), "not in the register (`erard/src/instrument/file_number.rs`): {missing:?}");
+    assert!(missing.is_empty(), "not in the register (`erard-core/src/instrument/file_number.rs`): {missing:?}");
     let gone: Vec<_> = listed.difference(&schema).collect();
     assert!(gone.is_empty(), "not in the schema: {gone:?}");
     for number in FileNumber::all() {

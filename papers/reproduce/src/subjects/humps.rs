@@ -6,8 +6,8 @@ use erard_workshop::validate::release::{HELD_N, let_go_course};
 
 /// Travel of the recorded key in the six releases that let it go, and what was measured of every recorded release
 /// (`recordings/README.md`).
-const TRAVELS: &str = include_str!("../../../../crates/erard/recordings/kawai-kg-3c-let-go.csv");
-const RELEASES: &str = include_str!("../../../../crates/erard/recordings/kawai-kg-3c-releases.csv");
+const TRAVELS: &str = include_str!("../../../../crates/erard-core/recordings/kawai-kg-3c-let-go.csv");
+const RELEASES: &str = include_str!("../../../../crates/erard-core/recordings/kawai-kg-3c-releases.csv");
 /// What the sensor does not resolve near the key's rest, mm.
 const SENSOR_MM: f64 = 0.2;
 /// Heights of the panel that shows the humps, mm, and colours of recorded and modelled keys.

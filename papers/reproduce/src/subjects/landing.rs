@@ -11,7 +11,7 @@ use moreau::Loss;
 
 /// Two recorded releases, key and hammer: the author's action is mounted in its own frame, and the hammer has 50.8 mm
 /// from rest to its stop (`recordings/README.md`).
-const RECORDED: &str = include_str!("../../../../crates/erard/recordings/kawai-kg-3c-repeated.csv");
+const RECORDED: &str = include_str!("../../../../crates/erard-core/recordings/kawai-kg-3c-repeated.csv");
 /// Times of the releases in it, s.
 const RELEASES_S: [[f64; 2]; 2] = [[0.185, 0.37], [0.42, 0.60]];
 /// Number of samples averaged.

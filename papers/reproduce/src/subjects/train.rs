@@ -39,12 +39,12 @@ const WAY_M: [f64; 2] = [10e-3, 45e-3];
 const PARTS_M: [[f64; 2]; 3] = [[12e-3, 24e-3], [24e-3, 36e-3], [36e-3, 45e-3]];
 /// Recorded strokes, the medium one first; the others were struck.
 pub(super) const STROKES: [(&str, &str); 6] = [
-    ("medium", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-medium.csv")),
-    ("fast", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-fast.csv")),
-    ("struck-1", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-1.csv")),
-    ("struck-2", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-2.csv")),
-    ("struck-3", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-3.csv")),
-    ("struck-4", include_str!("../../../../crates/erard/recordings/kawai-kg-3c-struck-4.csv")),
+    ("medium", include_str!("../../../../crates/erard-core/recordings/kawai-kg-3c-medium.csv")),
+    ("fast", include_str!("../../../../crates/erard-core/recordings/kawai-kg-3c-fast.csv")),
+    ("struck-1", include_str!("../../../../crates/erard-core/recordings/kawai-kg-3c-struck-1.csv")),
+    ("struck-2", include_str!("../../../../crates/erard-core/recordings/kawai-kg-3c-struck-2.csv")),
+    ("struck-3", include_str!("../../../../crates/erard-core/recordings/kawai-kg-3c-struck-3.csv")),
+    ("struck-4", include_str!("../../../../crates/erard-core/recordings/kawai-kg-3c-struck-4.csv")),
 ];
 /// Rows of `erard validate` on the order of events under hands that press.
 const ORDER: [&str; 4] = ["hammer_ahead_f", "hammer_ahead_ff", "hammer_ahead_loudest", "crossover"];

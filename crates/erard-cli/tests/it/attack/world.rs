@@ -12,7 +12,7 @@ use super::line::Line;
 use crate::common::Folder;
 use crate::common::tree::{Look, Thing, look};
 
-const GRAND: &str = include_str!("../../../../erard/instruments/concert-grand-rigid.toml");
+const GRAND: &str = include_str!("../../../../erard-core/instruments/concert-grand-rigid.toml");
 const STROKE: &str = "time_s,force_N,position_m\n0,0,0\n0.01,3,0.001\n0.02,3,0.003\n";
 
 /// Input files.

@@ -25,11 +25,11 @@ impl Session {
         let folder = Folder::new(&format!("book-{}", page.replace(['/', '.'], "-")));
         let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         for home in [
-            "erard/instruments",
-            "erard/keyboards",
+            "erard-core/instruments",
+            "erard-core/keyboards",
             "erard-kinematics/linkages",
-            "erard/strokes",
-            "erard/recordings",
+            "erard-core/strokes",
+            "erard-core/recordings",
             "erard-piece/pieces",
         ] {
             let data = Path::new(home).file_name().unwrap();

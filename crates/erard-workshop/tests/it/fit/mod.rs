@@ -206,7 +206,7 @@ fn the_recordings_tell_the_grand_that_made_them() {
     let bounds = vec![("let_off".to_owned(), [-1e-3, 1e-3]), ("body.hammer.mass".to_owned(), [0.5, 2.0])];
     let data = recordings::NUANCES.iter().enumerate().map(|(seed, nuance)| {
         let text = recordings::recording(&recordings::recorded(), nuance, seed as u64 + 1);
-        let path = format!("crates/erard/recordings/heavier-{nuance}.csv");
+        let path = format!("crates/erard-core/recordings/heavier-{nuance}.csv");
         crate::common::generated::is_current(&path, &text, "recordings");
         let recording = Recording::read(text.as_bytes(), nuance, &Columns::default()).unwrap();
         Data::new(nuance, &recording, PositionOf::Key, &Preparation::default(), None, None, &Setup::new(1.0))

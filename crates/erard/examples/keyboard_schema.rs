@@ -1,5 +1,0 @@
-//! Prints the JSON Schema of keyboard files: `.ci/regenerate keyboard-schema`.
-
-fn main() {
-    print!("{}", erard::keyboard::json_schema());
-}

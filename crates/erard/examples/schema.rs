@@ -1,5 +1,0 @@
-//! Prints the JSON Schema of instrument files: `.ci/regenerate instrument-schema`.
-
-fn main() {
-    print!("{}", erard::instrument::json_schema());
-}
