@@ -66,6 +66,13 @@ impl Answer {
         self
     }
 
+    /// Names files that were rewritten in their place.
+    #[must_use]
+    pub(crate) fn paths(mut self, written: Vec<PathBuf>) -> Self {
+        self.written.extend(written);
+        self
+    }
+
     /// All was done and written, but it is not what was asked for: exit code 1, with this message.
     #[must_use]
     pub fn short_of(mut self, message: Option<String>) -> Self {

@@ -65,6 +65,17 @@ pub(crate) fn write_fault(f: &mut fmt::Formatter<'_>, message: &str, found: &str
     }
 }
 
+/// The fault of a `format` that is not the one that is read, e.g. `erard-instrument/1`.
+pub(crate) fn format_fault(found: &str, own: &str) -> String {
+    let version = |text: &str| {
+        let (kind, number) = text.rsplit_once('/')?;
+        Some((kind.to_owned(), number.parse::<u32>().ok()?))
+    };
+    let is_later = version(found).zip(version(own)).is_some_and(|(found, own)| found.0 == own.0 && found.1 > own.1);
+    let later = if is_later { ": a later version of Erard wrote it" } else { "" };
+    format!("not a format that this version reads{later}")
+}
+
 /// Content of a reader; `None` if it has more than this many bytes. It reads no more bytes than that takes.
 ///
 /// # Errors
@@ -93,6 +104,21 @@ mod tests {
         assert_eq!(clipped(&format!("found {digits} here")), format!("found {cut} here"));
         assert_eq!(clipped(&digits), cut);
         assert_eq!(clipped("short, \u{e9}  and\nplain"), "short, \u{e9}  and\nplain");
+    }
+
+    /// Only a higher number of the same kind is a later version's.
+    #[test]
+    fn a_later_format_is_called_so() {
+        for (found, is_later) in [
+            ("erard-x/2", true),
+            ("erard-x/10", true),
+            ("erard-x/1", false),
+            ("erard-y/2", false),
+            ("erard-x/two", false),
+            ("x", false),
+        ] {
+            assert_eq!(format_fault(found, "erard-x/1").contains("a later version"), is_later, "{found}");
+        }
     }
 
     #[test]

@@ -24,8 +24,8 @@
 //! | step one action | [`Action`], [`Input`], [`Reading`], [`Snapshot`] |
 //! | step 88 of them | [`Keyboard`], [`Keys`] |
 //!
-//! Every error converts into [`Error`]. SI units; key and finger positive downward, the hammer upward. Nothing here uses
-//! a clock or starts a thread.
+//! Every error converts into [`Error`]. SI units; key and finger positive downward, the hammer upward. Nothing here
+//! uses a clock or starts a thread.
 //!
 //! # What is kept
 //!

@@ -172,8 +172,8 @@ impl<'a> Press<'a> {
     ///
     /// # Errors
     /// [`Error::Press`]: nothing plays, a drive has no duration, or two settings contradict each other.
-    /// [`Error::Level`], [`Error::Driving`]: what plays cannot be found or cannot drive. [`Error::Run`]: a number is out
-    /// of range, there is no rest, a number became infinite, or `progress` ended it. Doubts are no errors:
+    /// [`Error::Level`], [`Error::Driving`]: what plays cannot be found or cannot drive. [`Error::Run`]: a number is
+    /// out of range, there is no rest, a number became infinite, or `progress` ended it. Doubts are no errors:
     /// [`Run::is_trusted`].
     pub fn run(mut self) -> Result<Run, Error> {
         self.check()?;

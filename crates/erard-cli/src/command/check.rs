@@ -15,6 +15,7 @@ use super::check_recording::told;
 use super::check_sensors;
 use super::checked::checked;
 use super::list::built_in;
+use super::upgrade;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::inputs::shown;
@@ -38,6 +39,9 @@ pub(crate) struct Check {
     /// results
     #[arg(value_name = "FILE")]
     file: PathBuf,
+    /// Rewrite names of earlier versions in the file as this version writes them, and nothing else
+    #[arg(long)]
+    upgrade: bool,
     #[command(flatten)]
     recording: RecordingOptions,
 }
@@ -58,6 +62,9 @@ const TABLES: [&str; 5] = ["csv", "tsv", "txt", "dat", "parquet"];
 impl Check {
     /// Runs the command.
     pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
+        if self.upgrade {
+            upgrade::refuse(&self.file)?;
+        }
         let extension = self.file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         let checked = match extension.as_str() {
             "toml" => {
@@ -84,7 +91,8 @@ impl Check {
                 }
             },
         };
-        Answer::of(&checked)
+        let answer = Answer::of(&checked)?;
+        Ok(if self.upgrade { answer.paths(upgrade::upgrade(session, &self.file)?) } else { answer })
     }
 
     /// What a text says that it is decides.

@@ -32,6 +32,7 @@ mod scan;
 mod sound;
 mod studio;
 mod study;
+mod upgrade;
 mod validate;
 mod weigh;
 

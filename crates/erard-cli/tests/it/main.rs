@@ -16,6 +16,7 @@ mod endings;
 mod faults;
 mod fit;
 mod fmu;
+mod formats;
 mod good_runs;
 mod identity;
 mod inside;

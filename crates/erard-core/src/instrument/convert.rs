@@ -16,6 +16,7 @@ use super::{
     Body, Bushing, Curve, DrawnPart, Dwell, Finger, Instrument, InstrumentFields, MAX_BODIES, MAX_CORNERS, MAX_PARTS,
     MAX_SCREWS, MAX_SPRINGS, MAX_ZONES, Origin, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
 };
+use crate::files::format_fault;
 use crate::key::{EXPECTED, key_named};
 
 /// Relative amount by which an inertia may be below that of a point mass at the centre of mass; it allows for rounded
@@ -25,7 +26,8 @@ const PARALLEL_AXIS_TOLERANCE: f64 = 1e-9;
 /// Checks and converts a file.
 pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumber>), Fault> {
     if file.format.as_str() != FORMAT {
-        return Err(Fault::at(file.format.span(), "not a format that this version reads", format!("\"{FORMAT}\"")));
+        let fault = format_fault(file.format.as_str(), FORMAT);
+        return Err(Fault::at(file.format.span(), fault, format!("\"{FORMAT}\"")));
     }
     at_most(&file.body, MAX_BODIES, "bodies")?;
     at_most(&file.spring, MAX_SPRINGS, "springs")?;

@@ -9,6 +9,7 @@ use super::format::{AbsentToml, AddedMassToml, FORMAT, FactorToml, KeyboardToml,
 use super::grading::{Absence, Graded, Grading, MASS_NUMBERS};
 use super::grading_curve::{Between, GradingCurve, GradingPoint};
 use super::{KEYS, Keyboard};
+use crate::files::format_fault;
 use crate::instrument::convert::key_number;
 use crate::instrument::edit::{find, numbers};
 use crate::instrument::error::Fault;
@@ -192,7 +193,8 @@ fn instruments() -> String {
 /// The key of the base instrument, and the gradings.
 fn convert(file: &KeyboardToml, base: &mut DocumentMut) -> Result<(usize, Vec<Grading>, Vec<Absence>), Fault> {
     if file.format.as_str() != FORMAT {
-        return Err(Fault::at(file.format.span(), "not a format that this version reads", format!("\"{FORMAT}\"")));
+        let fault = format_fault(file.format.as_str(), FORMAT);
+        return Err(Fault::at(file.format.span(), fault, format!("\"{FORMAT}\"")));
     }
     title(&file.name, "a keyboard")?;
     let base_key = key_number(&file.instrument_key)?;

@@ -1,4 +1,5 @@
 //! The tests of what users of the crate see.
 
+mod formats;
 mod press;
 mod readme;
