@@ -3,9 +3,9 @@
 use erard_core::instrument::{FileError, InvalidInstrument, UnknownInstrument};
 use erard_core::instrument_spec::InstrumentSpecError;
 use erard_core::key::UnknownKey;
-use erard_core::keyboard::KeysError;
+use erard_core::keyboard::{KeysError, UnknownKeyboard};
 use erard_core::level::LevelError;
-use erard_core::parameter::ChangeError;
+use erard_core::parameter::{ChangeError, NameError, VaryError};
 use erard_core::player::{HandError, PlayError};
 use erard_core::strings::PedalError;
 use erard_core::stroke::{DrivingError, SampleError, StrokeError};
@@ -18,6 +18,9 @@ pub enum Error {
     /// There is no such built-in instrument.
     #[error(transparent)]
     Instrument(#[from] UnknownInstrument),
+    /// There is no such built-in keyboard.
+    #[error(transparent)]
+    Keyboard(#[from] UnknownKeyboard),
     /// A text names no instrument, key or sample.
     #[error(transparent)]
     Spec(#[from] InstrumentSpecError),
@@ -33,6 +36,12 @@ pub enum Error {
     /// A number of an instrument cannot be changed so.
     #[error(transparent)]
     Change(#[from] ChangeError),
+    /// A name is no parameter of the instrument.
+    #[error(transparent)]
+    Name(#[from] NameError),
+    /// A parameter cannot have this value.
+    #[error(transparent)]
+    Vary(#[from] VaryError),
     /// An index of a part does not exist.
     #[error(transparent)]
     Index(#[from] IndexError),

@@ -43,7 +43,7 @@ pub use press::Press;
 // Instruments and their numbers.
 pub use erard_core::instrument::{Certainty, FileError, InstrumentFile, InvalidInstrument, UnknownInstrument};
 pub use erard_core::instrument_spec::{InstrumentSpec, InstrumentSpecError};
-pub use erard_core::parameter::{Change, ChangeError, Parameter, ParameterChange, Quantity, varied};
+pub use erard_core::parameter::{ChangeError, NameError, Parameter, ParameterChange, Quantity, VaryError, varied};
 pub use erard_core::{IndexError, Instrument};
 
 // One action, stepped.
@@ -56,7 +56,7 @@ pub use erard_core::{
 
 // Keyboards.
 pub use erard_core::key::{KEYS, UnknownKey, key_named, note_name};
-pub use erard_core::keyboard::{KeyImpact, Keyboard, Keys, KeysError, Tick};
+pub use erard_core::keyboard::{KeyImpact, Keyboard, Keys, KeysError, Tick, UnknownKeyboard};
 pub use erard_core::strings::{Pedal, PedalError, Strings};
 
 // Strokes.
@@ -69,6 +69,7 @@ pub use erard_core::stroke::{
 pub use erard_core::run::{BodySeries, LiftSeries, StringSeries, Work, ZoneSeries};
 pub use erard_core::trust::{Warning, WarningKind};
 pub use erard_core::{Events, Run, SimulationError};
+pub use moreau::{Energies, HandEnergy, Ledger};
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

@@ -2,4 +2,5 @@
 
 mod formats;
 mod press;
+mod public;
 mod readme;
