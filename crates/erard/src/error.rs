@@ -6,6 +6,7 @@ use erard_core::key::UnknownKey;
 use erard_core::keyboard::{KeysError, UnknownKeyboard};
 use erard_core::level::LevelError;
 use erard_core::parameter::{ChangeError, NameError, VaryError};
+use erard_core::player::equilibrium::EquilibriumError;
 use erard_core::player::{HandError, PlayError};
 use erard_core::strings::PedalError;
 use erard_core::stroke::{DrivingError, SampleError, StrokeError};
@@ -92,11 +93,16 @@ impl Error {
     /// Whether the work ended because the caller asked for it.
     #[must_use]
     pub fn is_interruption(&self) -> bool {
-        matches!(
-            self,
-            Error::Run(SimulationError::Interrupted)
-                | Error::Level(LevelError::Interrupted)
-                | Error::Play(PlayError::Interrupted)
-        )
+        let while_it_settled =
+            |error: &ActionError| matches!(error, ActionError::Equilibrium(EquilibriumError::Interrupted));
+        match self {
+            Error::Run(SimulationError::Interrupted | SimulationError::Equilibrium(EquilibriumError::Interrupted))
+            | Error::Level(LevelError::Interrupted)
+            | Error::Play(PlayError::Interrupted) => true,
+            Error::Action(error) | Error::Level(LevelError::Action(error)) | Error::Keys(KeysError { error, .. }) => {
+                while_it_settled(error)
+            }
+            _ => false,
+        }
     }
 }

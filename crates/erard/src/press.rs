@@ -159,7 +159,7 @@ impl<'a> Press<'a> {
 
     /// Starts from a saved state of the same instrument and settings instead of from rest, in steps of fixed length.
     /// Times count from [`start`](Press::start), whatever the state's. Not for a level, which is found from rest.
-    pub fn from(self, state: &'a Snapshot) -> Self {
+    pub fn restore(self, state: &'a Snapshot) -> Self {
         Press { from: Some(state), ..self }
     }
 
@@ -252,7 +252,7 @@ impl<'a> Press<'a> {
             return wrong("a level is found from rest, and the press starts from a saved state", "one of them");
         }
         if self.from.is_some() && self.tolerance.is_some() {
-            return wrong("adaptive steps from a saved state", "one of `tolerance` and `from`");
+            return wrong("adaptive steps from a saved state", "one of `tolerance` and `restore`");
         }
         Ok(())
     }

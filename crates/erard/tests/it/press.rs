@@ -107,7 +107,7 @@ fn strings_a_pedal_and_a_saved_state_are_those_of_the_core() {
     let state = action.save();
     let (drive, setup) = (|_: f64| Input::Force(5.0), Setup::of(&grand, 0.05));
     same(
-        Press::new(&grand).drive(drive).duration(0.05).from(&state).run(),
+        Press::new(&grand).drive(drive).duration(0.05).restore(&state).run(),
         simulate_from(&grand, &state, &drive, &setup, &mut |_| true),
     );
 }
@@ -125,8 +125,8 @@ fn what_is_missing_or_contradictory_is_refused() {
         (new().level("mezzo"), "no level `mezzo`", "pp, p, mf, f or ff"),
         (new().level("mf").hand(Hand::default()), "gives another", "one of them"),
         (new().force(5.0).hand_kind(kind), "`hand_kind` without a level", "`hand`"),
-        (new().level("mf").from(&state), "from rest", "one of them"),
-        (new().force(5.0).from(&state).tolerance(1e-4), "adaptive steps", "`tolerance`"),
+        (new().level("mf").restore(&state), "from rest", "one of them"),
+        (new().force(5.0).restore(&state).tolerance(1e-4), "adaptive steps", "`tolerance`"),
         (new().force(-1.0), "a constant force of -1 N", "0 to 10000 N"),
         (new().force(f64::NAN), "a constant force of NaN N", "0 to 10000 N"),
     ] {
