@@ -115,12 +115,12 @@ fn rewritten(text: &[u8]) -> Result<(Vec<u8>, Vec<Renamed>), String> {
             if cells(titles).any(|(_, other)| other == now) {
                 return Err(format!("{}: the titles have `{old}` and `{now}`; expected one of them", index + 1));
             }
-            new.extend_from_slice(titles[copied..at].as_bytes());
+            new.extend_from_slice(&titles.as_bytes()[copied..at]);
             new.extend_from_slice(now.as_bytes());
             copied = at + cell.len();
             renamed.push(Renamed { line: index + 1, old, new: now });
         }
-        new.extend_from_slice(titles[copied..].as_bytes());
+        new.extend_from_slice(&titles.as_bytes()[copied..]);
         new.extend_from_slice(&text[range.end..]);
         return Ok((new, renamed));
     }
