@@ -125,7 +125,9 @@ pub fn prepare(recording: &Recording, preparation: &Preparation) -> Result<Prepa
     if !ORDERS.contains(&preparation.order) {
         return Err(PrepareError::Order(preparation.order));
     }
-    if let Some((role, late_s)) = preparation.late_s.iter().find(|(_, late_s)| !(late_s.abs() <= MAX_LATE_S)) {
+    // What is not a number lies within no limit.
+    let late = preparation.late_s.iter().find(|(_, late_s)| !(-MAX_LATE_S..=MAX_LATE_S).contains(late_s));
+    if let Some((role, late_s)) = late {
         return Err(PrepareError::Late { role: *role, late_s: *late_s });
     }
     let mut channels: Vec<Samples> =
