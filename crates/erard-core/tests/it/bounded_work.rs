@@ -45,6 +45,45 @@ fn the_bound_is_reached_and_nothing_blows_up() {
     }
 }
 
+/// The search for what sticks ends soon, too, in the hardest steps that were found: a pressed key that is let go from
+/// one step to the next, when friction under load reverses in many contacts at once. Every built-in grand, pressed with
+/// 1 to 40 N and let go, at once and over a millisecond. docs/notes/chip.md quotes what this prints (`-- the_search
+/// --nocapture`).
+///
+/// What is claimed: every step converges, and no search takes more than 64 active sets: 32 guesses, and where they
+/// cycle, the exact solver's own.
+#[test]
+fn the_search_for_what_sticks_ends() {
+    const RELEASE: usize = 6000;
+    for name in Instrument::builtin_names().filter(|name| !name.contains("strings")) {
+        let grand = Instrument::builtin(name).expect("built in");
+        let settings = Settings::new(50e-6);
+        for (release, steps_of_release) in [("from one step to the next", 1), ("over a millisecond", 20)] {
+            let (mut most, mut at, mut sets, mut steps) = (0, (0.0, 0), 0_u64, 0_u64);
+            for force in [1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0] {
+                let mut m = mechanism(&grand, settings).expect("assembles");
+                for n in 0..2 * RELEASE {
+                    let left = (RELEASE + steps_of_release).saturating_sub(n + 1).min(steps_of_release);
+                    let report = m.step(&SiteInput::Force(force * left as f64 / steps_of_release as f64)).report;
+                    assert_eq!(report.outcome, StepOutcome::Converged, "{name}, {force} N, step {n}");
+                    (sets, steps) = (sets + u64::from(report.solver), steps + 1);
+                    if most < report.solver {
+                        (most, at) = (report.solver, (force, n));
+                    }
+                }
+            }
+            let (event, from) = if at.1 < RELEASE { ("the press", 0) } else { ("the release", RELEASE) };
+            println!(
+                "{name}, let go {release}: at most {most} active sets, at {} N, {:.2} ms after {event}; {:.3} a step",
+                at.0,
+                0.05 * (at.1 - from) as f64,
+                sets as f64 / steps as f64
+            );
+            assert!((1..=64).contains(&most), "{name}: {most} active sets");
+        }
+    }
+}
+
 /// The one-step solver's bound likewise: with one sweep of Gauss-Seidel allowed, steps say that they have not
 /// converged, and go on.
 #[test]
