@@ -488,13 +488,13 @@ pub extern "C" fn erard_board_alignment() -> usize {
     ALIGNMENT
 }
 
-/// Makes a board in `memory` of `bytes` bytes (erard_board_bytes, erard_board_alignment), which stays the caller's and
-/// must not move. `stops` has an element for each key of the setup. `keyboard` is the text of a keyboard file (UTF-8,
-/// `length` bytes) whose base instrument is built in; NULL and 0 give the built-in concert grand, the only one on a
-/// chip, where all keys have the action of its middle C. Each key is pressed some times to find its limits: that takes
-/// a quarter of a second a key and core, and memory, which erard_board_free gives back; on a chip both are prepared.
-/// Returns the board, or NULL on failure: `status` (which may be NULL) receives the reason, and erard_last_error
-/// describes it. Real time: no.
+/// Makes a board in `memory` of `bytes` bytes (erard_board_bytes, erard_board_alignment), which stays the caller's
+/// and must not move. `stops` has an element for each key of the setup. `keyboard` is the text of a keyboard file
+/// (UTF-8, `length` bytes) whose base instrument is built in; NULL and 0 give the built-in concert grand, the only
+/// one on a chip, where all keys have the action of its middle C. Each key is pressed some times to find its
+/// limits, which takes a tenth of a second a key, on all cores; and its action takes memory, which erard_board_free
+/// gives back. On a chip both are prepared. Returns the board, or NULL on failure: `status` (which may be NULL)
+/// receives the reason, and erard_last_error describes it. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_board_new(
     memory: *mut c_void,
