@@ -280,6 +280,8 @@ def test_one_stroke_whatever_holds_its_numbers(tmp_path: Path) -> None:
         file.write_text("time_s,force_N\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(t.tolist(), force.tolist(), strict=True)))
         runs = [grand.press(stroke=source, duration=0.3) for source in (mapping, pd.DataFrame(mapping), str(file))]
         studies = [erard.study(grand, let_off=[0.0], stroke=source, duration=0.3) for source in (mapping, str(file))]
+        slopes = erard.gradient(grand, ["let_off"], stroke=mapping, duration=0.05, compare=False, unconverged="nan")
+        assert slopes.notes == runs[0].notes
         for run in runs + studies:
             assert any(told in note for note in run.notes), run.notes
             assert run.preparation == runs[0].preparation and pickle.loads(pickle.dumps(run)).preparation == run.preparation

@@ -70,6 +70,8 @@ class Gradient(Mapping[str, Mapping[str, float]]):
         Sampled columns.
     column_jacobian : dict of str to ndarray of shape (T, P)
         Derivatives of the samples.
+    notes : list of str
+        How a recorded stroke was prepared, and remarks on how it drives the key, as in `Run`.
     switches, unresolved : int
         Number of friction switches at which derivatives jumped, and number of those that could not be separated from
         another one.
@@ -104,6 +106,7 @@ class Gradient(Mapping[str, Mapping[str, float]]):
             if array is not None:
                 read_only(array)
         self.switches, self.unresolved = switches
+        self.notes: list[str] = []
         self.title = title
 
     def __getitem__(self, key: str) -> Mapping[str, float]:
@@ -305,9 +308,11 @@ def gradient(
     value = {name: float("nan") if found["values"][name] is None else float(found["values"][name]) for name in told}
     count = len(next(iter(found["columns"].values()), ()))
     time_s = made.start_s + step_of(own, instrument._inner.usual_step_s) * every * np.arange(count, dtype=np.float64)
-    return Gradient(
+    computed = Gradient(
         told, names, value, matrix("slopes"), shorter, unresolved, {(of, by): why for of, by, why in found["refused"]}, time_s,
         {name: found["columns"][name] for name in sampled},
         {name: np.ascontiguousarray(found["column_slopes"][name].T) for name in sampled},
         (found["switches"][0], found["switches"][1]), f"{instrument.name}, {made.title}",
     )  # fmt: skip
+    computed.notes = made.notes
+    return computed

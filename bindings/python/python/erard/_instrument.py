@@ -467,7 +467,7 @@ class Instrument:
                 steps(how),
                 tell,
             )
-        return Comparison(*found)
+        return Comparison(*found, made.notes)
 
     def validate(self, *, progress: bool | None = None) -> list[dict[str, Any]]:
         """Compares the instrument with measurements on real pianos.
@@ -791,11 +791,11 @@ def kinematics(
 
 class Comparison(Table):
     """Comparison of a recording with the models: columns, `errors` (one row for each drive and model), and `verdicts`
-    in words."""
+    in words; `notes` say how the recording was prepared."""
 
-    def __init__(self, columns: dict[str, Any], errors: list[dict[str, Any]], verdicts: list[str]) -> None:
+    def __init__(self, columns: dict[str, Any], errors: list[dict[str, Any]], verdicts: list[str], notes: list[str]) -> None:
         super().__init__(columns)
-        self.errors, self.verdicts = errors, verdicts
+        self.errors, self.verdicts, self.notes = errors, verdicts, notes
 
     def __repr__(self) -> str:
         return "\n".join(["<erard.Comparison>", *self.verdicts])
