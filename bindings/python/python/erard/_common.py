@@ -168,7 +168,7 @@ def choice(key: str, value: Any, names: Iterable[str]) -> str:
     """Returns one of these names, or raises an error that lists them."""
     names = tuple(names)
     if not isinstance(value, str) or value not in names:
-        raise refused(key, value, " or ".join(filter(None, [", ".join(map(repr, names[:-1])), repr(names[-1])])))
+        raise refused(key, value, " or ".join(filter(None, [", ".join(names[:-1]), names[-1]])))
     return value
 
 
