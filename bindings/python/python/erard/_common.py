@@ -211,6 +211,11 @@ def number(key: str, value: Any) -> float:
     return found
 
 
+def value_of(key: str, value: Any) -> float | str:
+    """Returns a number, or a text that the extension reads as one, or raises an error that names the argument."""
+    return text_of(key, value, "a text in Unicode") if isinstance(value, str) else number(key, value)
+
+
 #: Largest integer of the extension.
 _LARGEST = 2**63 - 1
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Unpack
 import numpy as np
 
 from . import _erard
-from ._common import Stepping, choice, counter, flag, mapping, names_of, number, refused, steps, text_of, whole
+from ._common import Stepping, choice, counter, flag, mapping, names_of, number, refused, steps, text_of, value_of, whole
 from ._errors import DoubtfulFitWarning, Extra, InputError
 from ._instrument import DRIVES, Instrument, instrument_of
 from ._recording import Recording, as_recording
@@ -414,7 +414,7 @@ def fit(
         steps(how),
         None if threads is None else whole("threads", threads),
     )
-    begin = [(name, value if isinstance(value, str) else number(f"start[{name!r}]", value)) for name, value in mapping("start", start).items()]
+    begin = [(name, value_of(f"start[{name!r}]", value)) for name, value in mapping("start", start).items()]
     problem = Problem(asked)
     with counter(progress, "fit", "strokes") as tell:
         found = problem._inner.fit((begin, loss, jacobian, restarts, max_evaluations), _by_scipy if minimizer == "scipy" else None, tell)
@@ -427,7 +427,7 @@ def fit(
 def _bounds(name: str, limits: Any) -> tuple[float | str, float | str]:
     if isinstance(limits, str) or np.shape(limits) != (2,):
         raise refused(f"bounds[{name!r}]", limits, 'two values, as in ("x0.5", "x2")')
-    low, high = (bound if isinstance(bound, str) else number(f"bounds[{name!r}]", bound) for bound in limits)
+    low, high = (value_of(f"bounds[{name!r}]", bound) for bound in limits)
     return low, high
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from . import _erard
 from ._common import (
-    Hand, Stepping, Values, bar, choice, flag, floats, items_of, key_of, mapping, names_of, number, path_of, quantity, refused, step_of, steps, text_of, whole,
+    Hand, Stepping, Values, bar, choice, flag, floats, items_of, key_of, mapping, names_of, number, path_of, quantity, refused, step_of, steps, text_of, value_of, whole,
 )  # fmt: skip
 from ._errors import InputError
 from ._recording import Recording, as_recording
@@ -109,7 +109,7 @@ class Instrument:
         pairs = items_of("changes", changes, wanted)
         if not all(isinstance(one, tuple) and len(one) == 2 and isinstance(one[0], str) for one in pairs):
             raise refused("changes", changes, wanted)
-        made: list[Change] = [(key, value if isinstance(value, str) else number(key, value)) for key, value in pairs]
+        made: list[Change] = [(key, value_of(key, value)) for key, value in pairs]
         self._inner = _erard.Instrument(text_of("text", text, "the text of an instrument file"), text_of("name", name), made)
         self.regulation = None
 
@@ -208,7 +208,7 @@ class Instrument:
         """
         asked: list[Change] = []
         for key, value in {**mapping("changes", changes), **more}.items():
-            asked.append((str(key), value if isinstance(value, str) else number(str(key), value)))
+            asked.append((str(key), value_of(str(key), value)))
         return Instrument._of(self._inner.varied(asked))
 
     def press(
@@ -390,9 +390,7 @@ class Instrument:
         >>> regulated.regulation["all_met"], [screw["screw"] for screw in regulated.regulation["screws"]]
         (True, ['let_off'])
         """
-        asked: list[Change] = [
-            (name, goal if isinstance(goal, str) else number(name, goal)) for name, goal in goals.items()
-        ]
+        asked: list[Change] = [(name, value_of(name, goal)) for name, goal in goals.items()]
         norms, follow = flag("norms", norms), flag("follow", follow)
         choice("rest", rest, RESTS)
         with bar(progress, "regulate") as tell:
