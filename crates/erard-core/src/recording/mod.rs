@@ -270,6 +270,10 @@ impl Samples {
         if may_be_even {
             report.noise = noise::noise(&even, rate_hz, rest);
             report.band_hz = report.noise.map(|noise| noise::band(&even, rate_hz, &noise));
+            // Straight lines between samples average their noise, to 0.8 of it; that of the rest is the samples' own.
+            if let Some(noise) = report.noise.as_mut().filter(|noise| noise.whence == Whence::Rest) {
+                noise.rms = noise::deviation(&values[..self.rest]);
+            }
         }
         report.told(&values);
         let cutoff_hz = match (preparation.low_pass, report.band_hz) {
