@@ -302,6 +302,8 @@ impl List<'_> {
             loss_per_s,
             loss_s,
             strike_m,
+            strike_share,
+            strike_angle_rad,
             damper,
         } = string;
         self.number("length_m", *length_m);
@@ -311,6 +313,16 @@ impl List<'_> {
         self.number("loss_per_s", *loss_per_s);
         self.number("loss_s", *loss_s);
         self.number("strike_m", *strike_m);
+        // Only their ratios count.
+        let strings = &self.instrument.strings;
+        let all: f64 = strings.iter().map(|string| string.strike_share).sum();
+        let share = strike_share * strings.len() as f64 / all;
+        if share != 1.0 {
+            self.number("strike_share", share);
+        }
+        if let Some(angle) = strike_angle_rad {
+            self.number("strike_angle_rad", *angle);
+        }
         if let Some(DamperFelt { zone, middle_m, length_m }) = damper {
             self.within("damper", |list| {
                 list.zone_named("zone", Some(*zone));
@@ -321,11 +333,14 @@ impl List<'_> {
     }
 
     fn of_bridge_mode(&mut self, mode: &BridgeMode) {
-        let BridgeMode { name, mass_kg, frequency_hz, loss_factor } = mode;
+        let BridgeMode { name, mass_kg, frequency_hz, loss_factor, horizontal } = mode;
         self.within(name, |list| {
             list.number("mass_kg", *mass_kg);
             list.number("frequency_Hz", *frequency_hz);
             list.number("loss_factor", *loss_factor);
+            if *horizontal != 0.0 {
+                list.number("horizontal", *horizontal);
+            }
         });
     }
 }

@@ -11,7 +11,7 @@ use super::format::{
 };
 use super::quantity::{At, KeyName, Num, Pair, Positive, Real};
 use super::reader::{G_PER_KG, GROUND, MM_PER_M, ReadNumber, Reader, body_or_ground, index_of, new_name, title};
-use super::strings::{read_bridge, read_strings};
+use super::strings::{read_board, read_bridge, read_strings};
 use super::{
     Body, Bushing, Curve, DrawnPart, Dwell, Finger, Instrument, InstrumentFields, MAX_BODIES, MAX_CORNERS, MAX_PARTS,
     MAX_SCREWS, MAX_SPRINGS, MAX_ZONES, Origin, Roles, Screw, ScrewAction, Spring, Vec2, Zone,
@@ -70,6 +70,7 @@ pub(crate) fn convert(file: &InstrumentToml) -> Result<(Instrument, Vec<ReadNumb
     let pedal = file.roles.as_ref().and_then(|roles| roles.pedal.as_ref());
     read_strings(&file.string, pedal, &mut reader, &mut instrument)?;
     read_bridge(&file.bridge_mode, &mut reader, &mut instrument)?;
+    read_board(&file.board, &mut reader, &mut instrument)?;
     if let Some(one_dof) = &file.one_dof {
         read_one_dof(one_dof, &mut instrument)?;
     }

@@ -123,6 +123,10 @@ numbers! {
     STRING_HIGH_LOSS "string.*" "loss_s" "s" [0.0, 1.0]
     /// Striking point of a string.
     STRING_STRIKE "string.*" "strike_mm" "mm" [0.1, 1e4]
+    /// A string's part of the hammer's force.
+    STRING_SHARE "string.*" "strike_share" "" [1e-3, 1e3]
+    /// Angle of the blow on a string.
+    STRING_ANGLE "string.*" "strike_angle_deg" "degrees" [-45.0, 45.0]
     /// Middle of a damper's felt.
     DAMPER_MIDDLE "string.*.damper" "middle_mm" "mm" [0.1, 1e4]
     /// Length of a damper's felt.
@@ -133,6 +137,20 @@ numbers! {
     BRIDGE_FREQUENCY "bridge_mode.*" "frequency_Hz" "Hz" [1.0, 2e4]
     /// Loss factor of a bridge mode.
     BRIDGE_LOSS "bridge_mode.*" "loss_factor" "" [0.0, 0.99]
+    /// Horizontal motion of a bridge mode.
+    BRIDGE_HORIZONTAL "bridge_mode.*" "horizontal" "" [-100.0, 100.0]
+    /// Lower end of a band of the soundboard.
+    BOARD_FROM "board.*" "from_Hz" "Hz" [1.0, 2e4]
+    /// Upper end of a band of the soundboard.
+    BOARD_TO "board.*" "to_Hz" "Hz" [1.0, 2e4]
+    /// Modal density of a band of the soundboard.
+    BOARD_DENSITY "board.*" "modes_per_Hz" "1/Hz" [1e-6, 10.0]
+    /// Effective mass of a mode of a band of the soundboard.
+    BOARD_MASS "board.*" "mass_g" "g" [1.0, 1e6]
+    /// Loss factor of a band of the soundboard.
+    BOARD_LOSS "board.*" "loss_factor" "" [0.0, 0.99]
+    /// Horizontal motion of a band of the soundboard.
+    BOARD_HORIZONTAL "board.*" "horizontal" "" [0.0, 100.0]
     /// Point of the key that the finger presses.
     KEY_FRONT "roles" "key_front_mm" "mm" [-FAR_MM, FAR_MM]
     /// Strike point of the hammer.

@@ -61,10 +61,14 @@ pub(crate) struct InstrumentToml {
     #[serde(default)]
     #[schemars(length(max = MAX_STRINGS))]
     pub string: Vec<At<StringToml>>,
-    /// Modes of the bridge where the strings end; at most 16. A bridge without modes is rigid.
+    /// Modes of the bridge where the strings end; at most 512, those of `board` included. A bridge without modes is
+    /// rigid.
     #[serde(default)]
     #[schemars(length(max = MAX_BRIDGE_MODES))]
     pub bridge_mode: Vec<At<BridgeModeToml>>,
+    /// Bands of the soundboard's modes at the bridge, drawn from a seed; beside those that `bridge_mode` lists.
+    #[serde(default)]
+    pub board: Vec<At<BoardToml>>,
     /// Bodies and zones that have a role in the action. An absent role means that the instrument has no such part.
     pub roles: Option<At<RolesToml>>,
     /// The player's fingertip; required when `roles` names a key.
@@ -191,6 +195,12 @@ pub(crate) struct StringToml {
     pub loss_s: Option<Num<NonNegative>>,
     /// Striking point of the hammer, mm from the end opposite the bridge; less than `length_mm`.
     pub strike_mm: Num<Positive>,
+    /// The string's part of the hammer's force, as a weight: each string of the note gets its own over the sum of all;
+    /// 1 when absent. A hammer that is not level with the strings strikes them unevenly.
+    pub strike_share: Option<Num<Positive>>,
+    /// Angle between the blow and the vertical plane of the string, degrees. The string then also moves horizontally,
+    /// coupled by this angle and by the bridge's `horizontal` motion; when absent, it moves vertically only.
+    pub strike_angle_deg: Option<Num<Real>>,
     /// Damper on the string; none when absent.
     pub damper: Option<At<DamperToml>>,
 }
@@ -217,13 +227,46 @@ pub(crate) struct BridgeModeToml {
     /// Identifier: 1 to 40 lower-case letters, digits and underscores, starting with a letter.
     #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
     pub name: At<String>,
-    /// Mass of the mode, g, referred to the point of the bridge where the strings end.
+    /// Mass of the mode, g, referred to the vertical motion of the bridge where the strings end.
     pub mass_g: Num<Positive>,
     /// Frequency of the mode, Hz.
     #[serde(rename = "frequency_Hz")]
     pub frequency_hz: Num<Positive>,
     /// Loss factor of the mode, from 0 to 0.99: amplitudes decay as exp(-loss_factor omega t / 2).
     pub loss_factor: Num<Part>,
+    /// Horizontal motion of the bridge per vertical motion, from -100 to 100: bridges rock, and their pins stand
+    /// askew; 0 when absent.
+    pub horizontal: Option<Num<Real>>,
+}
+
+/// A band of the soundboard's modes at the bridge. Each has one mode per `1 / modes_per_Hz`, at a random place of its
+/// interval, and a random phase psi: the bridge lies at cos psi of the mode's shape, whose slope there, sin psi, rocks
+/// it. Vertical motion is cos psi times the square root of 2, horizontal motion `horizontal` sin psi times that: the
+/// mean conductance is modes_per_Hz / (4 mass), and across the blow `horizontal` squared of it.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Board")]
+pub(crate) struct BoardToml {
+    /// Identifier: 1 to 40 lower-case letters, digits and underscores, starting with a letter.
+    #[schemars(regex(pattern = r"^[a-z][a-z0-9_]{0,39}$"))]
+    pub name: At<String>,
+    /// Lower end of the band, Hz.
+    #[serde(rename = "from_Hz")]
+    pub from_hz: Num<Positive>,
+    /// Upper end of the band, Hz.
+    #[serde(rename = "to_Hz")]
+    pub to_hz: Num<Positive>,
+    /// Modal density, modes per Hz.
+    #[serde(rename = "modes_per_Hz")]
+    pub modes_per_hz: Num<Positive>,
+    /// Effective mass, g: that of all that moves in a mode, where the mean square of its shape over the board is 1.
+    pub mass_g: Num<Positive>,
+    /// Loss factor, from 0 to 0.99, as that of a bridge mode.
+    pub loss_factor: Num<Part>,
+    /// Root mean square of horizontal over that of vertical motion of the bridge; 0 when absent.
+    pub horizontal: Option<Num<NonNegative>>,
+    /// Seed of frequencies and phases, a whole number from 0; 0 when absent. Other bands draw others.
+    pub seed: Option<At<i64>>,
 }
 
 /// A contact zone: a felt between a disc or point on one body (side A) and a line, rounded segment or disc on another

@@ -11,6 +11,7 @@
 // Hidden modules are the reader that all kinds of files share, the linkage files of `erard-kinematics` included. They
 // are no stable interface for others.
 mod bends;
+mod board;
 mod bushing;
 mod checked;
 pub(crate) mod convert;
@@ -70,7 +71,7 @@ pub(crate) const MAX_SPRINGS: usize = 24;
 /// Largest number of strings of a note.
 pub(crate) const MAX_STRINGS: usize = 3;
 /// Largest number of modes of a bridge.
-pub(crate) const MAX_BRIDGE_MODES: usize = 16;
+pub(crate) const MAX_BRIDGE_MODES: usize = 512;
 /// Largest number of regulating screws of an instrument.
 pub(crate) const MAX_SCREWS: usize = 64;
 /// Largest number of drawn parts of an instrument.
@@ -256,6 +257,11 @@ pub struct PianoString {
     pub loss_s: f64,
     /// Striking point of the hammer, m from the end opposite the bridge.
     pub strike_m: f64,
+    /// The string's part of the hammer's force, as a weight: each gets its own over the sum of all.
+    pub strike_share: f64,
+    /// Angle between the blow and the direction in which the damper presses, rad: the string then also moves across the
+    /// blow. `None`: it moves in one direction only.
+    pub strike_angle_rad: Option<f64>,
     /// Damper on the string; `None` without one.
     pub damper: Option<DamperFelt>,
 }
@@ -276,12 +282,14 @@ pub struct DamperFelt {
 pub struct BridgeMode {
     /// Identifier.
     pub name: String,
-    /// Mass of the mode, kg, referred to the point of the bridge where the strings end.
+    /// Mass of the mode, kg, referred to the vertical motion of the bridge where the strings end.
     pub mass_kg: f64,
     /// Frequency of the mode, Hz.
     pub frequency_hz: f64,
     /// Loss factor of the mode: amplitudes decay as exp(-loss_factor omega t / 2).
     pub loss_factor: f64,
+    /// Horizontal motion of the bridge per metre of vertical motion: across the blow.
+    pub horizontal: f64,
 }
 
 /// A contact zone: a felt between two curves.

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
+use super::board::Band;
 use super::error::Fault;
 use super::file_number::FileNumber;
-use super::format::{BridgeModeToml, DamperToml, StringToml};
+use super::format::{BoardToml, BridgeModeToml, DamperToml, StringToml};
 use super::quantity::At;
 use super::reader::{G_PER_KG, MM_PER_M, Reader, index_of, new_name};
 use super::tuning::{STEEL_DENSITY_KG_M3, bending_stiffness, tension_for};
@@ -121,6 +122,16 @@ fn read_string(table: &At<StringToml>, reader: &mut Reader<'_>, others: &[PianoS
         loss_per_s: reader.scalar(&table.loss_per_s, FileNumber::STRING_LOSS)?,
         loss_s: reader.scalar_or_zero(table.loss_s.as_ref(), FileNumber::STRING_HIGH_LOSS)?,
         strike_m,
+        strike_share: table
+            .strike_share
+            .as_ref()
+            .map_or(Ok(1.0), |share| reader.scalar(share, FileNumber::STRING_SHARE))?,
+        strike_angle_rad: table
+            .strike_angle_deg
+            .as_ref()
+            .map(|angle| reader.scalar(angle, FileNumber::STRING_ANGLE))
+            .transpose()?
+            .map(f64::to_radians),
         damper: None,
     })
 }
@@ -171,7 +182,51 @@ pub(super) fn read_bridge(
             mass_kg: reader.scalar(&table.mass_g, FileNumber::BRIDGE_MASS)? / G_PER_KG,
             frequency_hz: reader.scalar(&table.frequency_hz, FileNumber::BRIDGE_FREQUENCY)?,
             loss_factor: reader.scalar(&table.loss_factor, FileNumber::BRIDGE_LOSS)?,
+            horizontal: reader.scalar_or_zero(table.horizontal.as_ref(), FileNumber::BRIDGE_HORIZONTAL)?,
         });
+    }
+    Ok(())
+}
+
+/// Reads the bands of the soundboard, and draws their modes. Modes that are listed must have been read before.
+pub(super) fn read_board(
+    tables: &[At<BoardToml>],
+    reader: &mut Reader<'_>,
+    instrument: &mut Instrument,
+) -> Result<(), Fault> {
+    let mut names: Vec<String> = Vec::new();
+    for table in tables {
+        if instrument.strings.is_empty() {
+            return Err(Fault::at(table.span(), "a soundboard needs strings", "a [[string]]"));
+        }
+        let name = new_name(&table.name, "band", names.iter().map(String::as_str))?;
+        let seed = table.seed.as_ref().map_or(Ok(0), |seed| {
+            u64::try_from(**seed).map_err(|_| Fault::at(seed.span(), "not a seed", "a whole number from 0"))
+        })?;
+        let band = Band {
+            hz: [
+                reader.scalar(&table.from_hz, FileNumber::BOARD_FROM)?,
+                reader.scalar(&table.to_hz, FileNumber::BOARD_TO)?,
+            ],
+            modes_per_hz: reader.scalar(&table.modes_per_hz, FileNumber::BOARD_DENSITY)?,
+            mass_kg: reader.scalar(&table.mass_g, FileNumber::BOARD_MASS)? / G_PER_KG,
+            loss_factor: reader.scalar(&table.loss_factor, FileNumber::BOARD_LOSS)?,
+            horizontal: reader.scalar_or_zero(table.horizontal.as_ref(), FileNumber::BOARD_HORIZONTAL)?,
+        };
+        let [from_hz, to_hz] = band.hz;
+        if from_hz >= to_hz {
+            let expected = format!("more than its lower end, {from_hz} Hz");
+            return Err(Fault::at(table.to_hz.value_span(), "the band's upper end is too low", expected)
+                .found(format!("{to_hz} Hz")));
+        }
+        let free = MAX_BRIDGE_MODES.saturating_sub(instrument.bridge_modes.len());
+        if band.largest_count() > free {
+            let expected = format!("at most {MAX_BRIDGE_MODES} modes of the bridge in all");
+            return Err(Fault::at(table.modes_per_hz.value_span(), "too many modes of the soundboard", expected)
+                .found(format!("up to {} in this band, {free} are left", band.largest_count())));
+        }
+        instrument.fields.bridge_modes.extend(band.modes(&name, seed));
+        names.push(name);
     }
     Ok(())
 }

@@ -10,6 +10,8 @@ pub(crate) const STEEL_DENSITY_KG_M3: f64 = 7850.0;
 pub(crate) const STEEL_YOUNG_PA: f64 = 2.02e11;
 /// Frequency above which partials are left out of the force on the bridge, Hz: they are inaudible.
 pub(crate) const REACH_HZ: f64 = 20e3;
+/// Frequency above which partials across the blow are left out, Hz: their aftersound is inaudible.
+const SIDE_REACH_HZ: f64 = 5e3;
 /// Smallest number of partials that are stepped. A treble string has few below 20 kHz, and the static displacement by
 /// the others would follow the felt's force half a step late.
 const LEAST_MODES: u32 = 32;
@@ -73,6 +75,18 @@ impl PianoString {
     #[must_use]
     pub(crate) fn stepped(&self) -> u32 {
         self.partials_below(REACH_HZ).max(LEAST_MODES)
+    }
+
+    /// Number of partials across the blow that are stepped: those below 5 kHz of a string that moves sideways.
+    #[must_use]
+    pub(crate) fn stepped_sideways(&self) -> u32 {
+        self.strike_angle_rad.map_or(0, |_| self.partials_below(SIDE_REACH_HZ).max(1))
+    }
+
+    /// The blow's direction: in the direction of the string's main motion, and across it.
+    #[must_use]
+    pub(crate) fn strike_direction(&self) -> [f64; 2] {
+        self.strike_angle_rad.map_or([1.0, 0.0], |angle| [libm::cos(angle), libm::sin(angle)])
     }
 
     /// Shape of mode `n` (amplitude 1) at a place, m from the end opposite the bridge.

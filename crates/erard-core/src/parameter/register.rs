@@ -449,6 +449,11 @@ impl Parameter {
     }
 }
 
+/// Whether a number describes the bridge's modes.
+fn is_of_bridge(number: &FileNumber) -> bool {
+    number.table.starts_with("bridge_mode.") || number.table.starts_with("board.")
+}
+
 /// Why nothing depends on the dry friction of a bend, which only lets it come to rest.
 const IS_A_BEND: &str = "it is the hinge at which the part bends";
 
@@ -475,10 +480,10 @@ pub(super) fn idle_number(instrument: &Instrument, path: &str, has: impl Fn(&str
         _ if number.table.starts_with("string.") && !instrument.has_yielding_strings() => {
             idle("the string is held rigid", "rigid_string = false".to_owned())
         }
-        _ if number.table.starts_with("bridge_mode.") && instrument.roles.rigid_bridge => {
+        _ if is_of_bridge(&number) && instrument.roles.rigid_bridge => {
             idle("the bridge is held rigid", "rigid_bridge = false".to_owned())
         }
-        _ if number.table.starts_with("bridge_mode.") && !instrument.has_yielding_strings() => {
+        _ if is_of_bridge(&number) && !instrument.has_yielding_strings() => {
             idle("the string is held rigid", "rigid_string = false".to_owned())
         }
         FileNumber::STRING_DIAMETER => {

@@ -13,12 +13,16 @@
 //! to these by a little less: by A_pr k A_rq with k = (c/h)/(1 + (c/h) A_r), and they are moved by -A_pr k (r - r0) if
 //! nothing presses them.
 //!
-//! Where the bridge moves, all felts of a note rock each other through it, and are rocked by whatever presses any of
-//! its strings: k is then the matrix (C^-1 + A)^-1 with C the dashpots c/h on its diagonal, and A what a newton that
-//! rocks one felt rocks another by.
+//! A string that also moves across the blow slides in its felt: the mean of the two places and half their difference
+//! move two dashpots of the same c. (That the felt loses as much sideways as when it is compressed is an estimate.)
+//!
+//! Where the bridge moves, all felts of a note move each other's dashpots through it, and are moved by whatever presses
+//! any of its strings: k is then the matrix (C^-1 + A)^-1 with C the dashpots c/h on its diagonal, and A what a newton
+//! of one dashpot moves another by.
 
 use moreau::gauss_jordan;
 
+use super::bridge::{Pair, dot};
 use super::rows::{Block, Row, WIDE};
 use crate::instrument::{self, Curve, Instrument, MAX_STRINGS, PianoString};
 
@@ -26,6 +30,10 @@ use crate::instrument::{self, Curve, Instrument, MAX_STRINGS, PianoString};
 const STATIC_PARTIALS: u32 = 400;
 /// sqrt(12), for Gauss's two places.
 const GAUSS: f64 = 3.464_101_615_137_754_6;
+/// Dashpots of a felt: that of its rocking, and two of a string that slides in it.
+const KINDS: usize = 3;
+/// Dashpots of all felts of a note.
+pub(super) const DASHPOTS: usize = KINDS * MAX_STRINGS;
 
 /// One felt on one string.
 #[derive(Debug, Clone)]
@@ -38,15 +46,23 @@ pub(super) struct Felt {
     side: f64,
     /// Gauss's two places, m.
     places_m: [f64; 2],
-    /// Its mean, and half the difference of its ends.
+    /// Its mean.
     pub row: Row,
-    pub rocking: Row,
-    /// A of the rocking, m/N; and how far in a step a newton on the hammer and on the felt itself rocks it, and the
-    /// other way round, m/N.
-    rocks_m_per_n: f64,
-    pub rocked_by_m_per_n: [f64; 2],
-    /// Change of S in a step by a newton that rocks it.
-    pub rocking_sounds: f64,
+    /// Rocking; and of a string that moves sideways, its mean and half the difference of the ends.
+    pub dashpots: Vec<Dashpot>,
+    /// By how much in a step a newton of one dashpot moves another, m/N.
+    between_m_per_n: [[f64; KINDS]; KINDS],
+}
+
+/// What a dashpot of a felt is moved by.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Dashpot {
+    /// What moves it: of the rocking half the difference of the felt's ends.
+    pub row: Row,
+    /// How far in a step a newton on the hammer and on the felt moves it, and the other way round, m/N.
+    pub moved_by_m_per_n: [f64; 2],
+    /// Change of S in a step by its newton.
+    pub sounds: Pair,
 }
 
 /// Those of an instrument.
@@ -61,10 +77,8 @@ pub(super) fn felts(instrument: &Instrument) -> Vec<Felt> {
             law: instrument.zones[damper.zone].felt,
             places_m: [damper.middle_m - half_m, damper.middle_m + half_m],
             row: Row::default(),
-            rocking: Row::default(),
-            rocks_m_per_n: 0.0,
-            rocked_by_m_per_n: [0.0; 2],
-            rocking_sounds: 0.0,
+            dashpots: Vec::new(),
+            between_m_per_n: [[0.0; KINDS]; KINDS],
         })
     };
     instrument.strings.iter().enumerate().filter_map(of).collect()
@@ -82,10 +96,15 @@ fn side(instrument: &Instrument, damper: usize) -> f64 {
 }
 
 impl Felt {
-    /// Its string has these blocks.
-    pub(crate) fn lay(&mut self, first: usize, blocks: usize) {
-        (self.row, self.rocking) = (Row::new(first, blocks), Row::new(first, blocks));
-        (self.rocks_m_per_n, self.rocked_by_m_per_n, self.rocking_sounds) = (0.0, [0.0; 2], 0.0);
+    /// Its string has these blocks (first, count) in each direction; without the second it does not move sideways.
+    pub(crate) fn lay(&mut self, [vertical, horizontal]: [(usize, usize); 2]) {
+        let dashpot = |(first, blocks): (usize, usize)| Dashpot { row: Row::new(first, blocks), ..Dashpot::default() };
+        self.row = Row::new(vertical.0, vertical.1);
+        self.dashpots = vec![dashpot(vertical)];
+        if horizontal.1 > 0 {
+            self.dashpots.extend([dashpot(horizontal), dashpot(horizontal)]);
+        }
+        self.between_m_per_n = [[0.0; KINDS]; KINDS];
     }
 
     /// A mode's displacement of the felt, away from it, and of its rocking, per metre.
@@ -108,13 +127,38 @@ impl Felt {
         let Block { qq, bridge, .. } = &blocks[at / WIDE];
         let (qq, bridge) = (qq[at % WIDE], bridge[at % WIDE]);
         self.row.set(at, mean, stiffness_n_per_m, blocks);
-        self.rocking.set(at, half, stiffness_n_per_m, blocks);
+        let rocking = &mut self.dashpots[0];
+        rocking.row.set(at, half, stiffness_n_per_m, blocks);
         let rocks = half / stiffness_n_per_m * (1.0 - qq);
-        self.rocks_m_per_n += half * rocks;
-        self.rocked_by_m_per_n[0] += hammer * rocks;
-        self.rocked_by_m_per_n[1] += mean * rocks;
-        self.rocking_sounds += bridge * rocks;
+        self.between_m_per_n[0][0] += half * rocks;
+        rocking.moved_by_m_per_n[0] += hammer * rocks;
+        rocking.moved_by_m_per_n[1] += mean * rocks;
+        rocking.sounds[0] += bridge * rocks;
         mean
+    }
+
+    /// Takes in a mode of its string across the blow.
+    pub(crate) fn set_side_mode(
+        &mut self,
+        string: &PianoString,
+        (n, hammer): (u32, f64),
+        at: usize,
+        stiffness_n_per_m: f64,
+        blocks: &[Block],
+    ) {
+        let shapes = self.shapes(string, n);
+        let Block { qq, bridge, .. } = &blocks[at / WIDE];
+        let (qq, bridge) = (qq[at % WIDE], bridge[at % WIDE]);
+        for (k, of_k) in shapes.into_iter().enumerate() {
+            let dashpot = &mut self.dashpots[1 + k];
+            dashpot.row.set(at, of_k, stiffness_n_per_m, blocks);
+            let moves = of_k / stiffness_n_per_m * (1.0 - qq);
+            dashpot.moved_by_m_per_n[0] += hammer * moves;
+            dashpot.sounds[1] += bridge * moves;
+            for (l, of_l) in shapes.into_iter().enumerate() {
+                self.between_m_per_n[1 + k][1 + l] += of_l * moves;
+            }
+        }
     }
 
     /// Static compliances of the modes beyond the first so many, m/N: its own, and with a hammer that strikes this
@@ -140,60 +184,105 @@ impl Felt {
         self.law.loss.viscous(g, force_n)
     }
 
-    /// What its rocking does in the next step, after one under this force.
-    pub(crate) fn rocks(&self, force_n: f64, blocks: &[Block], step_s: f64) -> Rocks {
+    /// What its dashpots do in the next step, after one under this force.
+    pub(crate) fn rocks(&self, force_n: f64, blocks: &[Block], step_s: f64) -> [Rocks; KINDS] {
         let per_s = self.dashpot(force_n) / step_s;
         if per_s <= 0.0 {
-            return Rocks::default();
+            return [Rocks::default(); KINDS];
         }
-        let stiff_n_per_m = per_s / (1.0 + per_s * self.rocks_m_per_n);
-        Rocks { per_s, stiff_n_per_m, drift_m: self.rocking.free(blocks) - self.rocking.now(blocks) }
+        std::array::from_fn(|kind| {
+            let Some(dashpot) = self.dashpots.get(kind) else { return Rocks::default() };
+            let stiff_n_per_m = per_s / (1.0 + per_s * self.between_m_per_n[kind][kind]);
+            Rocks { per_s, stiff_n_per_m, drift_m: dashpot.row.free(blocks) - dashpot.row.now(blocks) }
+        })
     }
 
     /// After a step under the other forces: what the rocking has taken meanwhile, J. `before_m`: where it was.
     pub(crate) fn rock(&self, rocks: &Rocks, before_m: f64, blocks: &mut [Block]) -> f64 {
-        let force_n = -rocks.stiff_n_per_m * (self.rocking.now(blocks) - before_m);
-        self.rocking.press(force_n, blocks);
+        let rocking = &self.dashpots[0].row;
+        let force_n = -rocks.stiff_n_per_m * (rocking.now(blocks) - before_m);
+        rocking.press(force_n, blocks);
         force_n * force_n / rocks.per_s
-    }
-
-    /// By how much a newton that rocks it rocks it in a step, m/N.
-    pub(crate) fn rocks_m_per_n(&self) -> f64 {
-        self.rocks_m_per_n
     }
 }
 
-/// The rocking of a felt in a step. All zero: it is not pressed.
+/// A dashpot of a felt in a step. All zero: the felt is not pressed.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Rocks {
     /// c/h, N/m.
     pub per_s: f64,
-    /// (c/h) / (1 + (c/h) A_r): its force per metre by which it would rock if its dashpot did nothing, N/m.
+    /// (c/h) / (1 + (c/h) A_r): its force per metre by which it would move if it did nothing, N/m.
     pub stiff_n_per_m: f64,
-    /// By how much it rocks if nothing presses it, m.
+    /// By how much it moves if nothing presses it, m.
     pub drift_m: f64,
 }
 
-/// A number for every two felts that rock.
-pub(super) type BridgeCoupling = [[f64; MAX_STRINGS]; MAX_STRINGS];
+/// A dashpot's felt, and which of the felt's it is.
+pub(super) fn felt_of(dashpot: usize) -> (usize, usize) {
+    (dashpot / KINDS, dashpot % KINDS)
+}
 
-/// How felts that rock hang together where the bridge moves, (C^-1 + A)^-1, N/m: what a metre by which one would rock
-/// makes another's dashpot push. `per_newton` is the bridge's.
-pub(super) fn bridge_coupling(rocks: &[Rocks; MAX_STRINGS], felts: &[Felt], per_newton: f64) -> BridgeCoupling {
-    let rocked: [bool; MAX_STRINGS] = std::array::from_fn(|k| rocks[k].per_s > 0.0);
-    // C^-1 + A and a one for each felt, among those that rock: symmetric and positive, so that no pivot is missing.
-    let (mut matrix, mut inverse) = (BridgeCoupling::default(), BridgeCoupling::default());
-    for k in 0..MAX_STRINGS {
-        if !rocked[k] {
-            matrix[k][k] = 1.0;
-            continue;
+/// The dashpots of all felts in the next step, by what computes those of a felt.
+pub(super) fn all_rocks(of: impl Fn(usize) -> [Rocks; KINDS]) -> [Rocks; DASHPOTS] {
+    let mut all = [Rocks::default(); DASHPOTS];
+    for felt in 0..MAX_STRINGS {
+        all[felt * KINDS..][..KINDS].copy_from_slice(&of(felt));
+    }
+    all
+}
+
+/// A number for every two dashpots.
+pub(super) type Coupling = [[f64; DASHPOTS]; DASHPOTS];
+
+/// How dashpots that move hang together where the bridge moves or strings move sideways, (C^-1 + A)^-1, N/m: what a
+/// metre by which one would move makes another push. `per_newton` is the bridge's.
+pub(super) fn coupling(rocks: &[Rocks; DASHPOTS], felts: &[Felt], per_newton: [Pair; 2]) -> Coupling {
+    let mut moved = [0; DASHPOTS];
+    let mut count = 0;
+    for (dashpot, _) in rocks.iter().enumerate().filter(|(_, rocks)| rocks.per_s > 0.0) {
+        (moved[count], count) = (dashpot, count + 1);
+    }
+    let moved = &moved[..count];
+    if count <= MAX_STRINGS {
+        inverse::<MAX_STRINGS>(moved, rocks, felts, per_newton)
+    } else {
+        inverse::<DASHPOTS>(moved, rocks, felts, per_newton)
+    }
+}
+
+/// C^-1 + A of the dashpots that move, inverted: symmetric and positive, so that no pivot is missing.
+fn inverse<const K: usize>(
+    moved: &[usize],
+    rocks: &[Rocks; DASHPOTS],
+    felts: &[Felt],
+    per_newton: [Pair; 2],
+) -> Coupling {
+    let mut coupling = [[0.0; DASHPOTS]; DASHPOTS];
+    if moved.is_empty() {
+        return coupling;
+    }
+    let (mut matrix, mut inverse) = ([[0.0; K]; K], [[0.0; K]; K]);
+    for i in 0..K {
+        (matrix[i][i], inverse[i][i]) = (1.0, 1.0);
+    }
+    for (i, &a) in moved.iter().enumerate() {
+        let (felt, kind) = felt_of(a);
+        let sounds = felts[felt].dashpots[kind].sounds;
+        for (j, &b) in moved.iter().enumerate() {
+            let (other, other_kind) = felt_of(b);
+            let across = felts[other].dashpots[other_kind].sounds;
+            matrix[i][j] = dot(sounds, [dot(per_newton[0], across), dot(per_newton[1], across)]);
+            if felt == other {
+                matrix[i][j] += felts[felt].between_m_per_n[kind][other_kind];
+            }
         }
-        for (l, felt) in felts.iter().enumerate().filter(|(l, _)| rocked[*l]) {
-            matrix[k][l] = felts[k].rocking_sounds * per_newton * felt.rocking_sounds;
-        }
-        matrix[k][k] += 1.0 / rocks[k].per_s + felts[k].rocks_m_per_n();
-        inverse[k][k] = 1.0;
+        matrix[i][i] += 1.0 / rocks[a].per_s;
     }
     gauss_jordan(&mut matrix, &mut inverse);
-    inverse
+    for (i, &a) in moved.iter().enumerate() {
+        for (j, &b) in moved.iter().enumerate() {
+            coupling[a][b] = inverse[i][j];
+        }
+    }
+    coupling
 }

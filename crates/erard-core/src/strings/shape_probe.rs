@@ -37,7 +37,7 @@ impl Strings {
         let index = self.looked_at();
         let string = &self.strings()[index];
         let at = |place_m: f64| {
-            let modes = self.modes_of(index);
+            let modes = self.vertical_modes_of(index);
             modes.map(|(n, at)| (at, PianoString::shape(n, string.strike_m + place_m, string.length_m))).collect()
         };
         ShapeProbe { table: self.probe_places_m().into_iter().map(at).collect() }

@@ -14,12 +14,12 @@ use erard::strings::{Pedal, Strings};
 use erard::stroke::{HandStroke, Touch};
 use erard::{Action, Input, Settings};
 
-fn strung() -> Instrument {
+pub(crate) fn strung() -> Instrument {
     Instrument::builtin("concert-grand-strings").expect("the built-in grand reads")
 }
 
 /// A hammer far from one string, and a damper's felt that the ground presses on it by 0.115 mm.
-fn damped(friction: f64) -> Instrument {
+pub(crate) fn damped(friction: f64) -> Instrument {
     let text = format!(
         r#"
 format = "erard-instrument/1"
@@ -86,20 +86,24 @@ string = "string"
     InstrumentFile::parse(&text, "bare").map_err(|e| e.to_string()).unwrap().instrument
 }
 
-fn strings(m: &dyn Mechanism) -> &Strings {
+pub(crate) fn strings(m: &dyn Mechanism) -> &Strings {
     Strings::under(m).expect("it has strings")
 }
 
-/// Sets the speed of the first modes of every string.
+/// Sets the speed of the first modes of every string: the vertical ones, then those across.
 pub(crate) fn swing(m: &mut dyn Mechanism, speeds_m_per_s: &[f64]) {
-    let (modes, all) = (strings(m).modes(), strings(m).strings().len());
+    let all = strings(m).strings().len();
+    let now = strings(m);
+    let vertical = |string: usize| (1..).take_while(|n| now.partial(string, *n).is_some()).count();
+    let sideways = |string: usize| (1..).take_while(|n| now.partial_sideways(string, *n).is_some()).count();
+    let counts: Vec<usize> = (0..all).map(|string| vertical(string) + sideways(string)).collect();
     let surfaces = m.surfaces_mut().unwrap();
     let mut lists: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     surfaces.save(&mut |name, list| drop(lists.insert(name, list.collect())));
     let numbers = lists.get_mut("string_modes").unwrap();
     for string in 0..all {
         for (i, speed) in speeds_m_per_s.iter().enumerate() {
-            numbers[2 * (string * modes / all + i) + 1] = *speed;
+            numbers[2 * (counts[..string].iter().sum::<usize>() + i) + 1] = *speed;
         }
     }
     lists.insert("string_still", vec![0.0]);
@@ -394,9 +398,15 @@ fn the_balance_closes_over_an_impact_under_the_damper() {
 
 /// One string under a damper's felt that rocks, on a bridge that moves: `mass_kg` a mode, less than a soundboard's so
 /// that it matters.
-fn damped_on_a_bridge(mass_kg: f64) -> Instrument {
+pub(crate) fn damped_on_a_bridge(mass_kg: f64) -> Instrument {
     let mut instrument = damped(1.0);
-    let mode = |frequency_hz: f64| BridgeMode { name: String::new(), mass_kg, frequency_hz, loss_factor: 0.02 };
+    let mode = |frequency_hz: f64| BridgeMode {
+        name: String::new(),
+        mass_kg,
+        frequency_hz,
+        loss_factor: 0.02,
+        horizontal: 0.0,
+    };
     instrument.edit(|fields| fields.bridge_modes = [112.0, 256.0, 612.0, 1571.0].map(mode).to_vec()).unwrap();
     instrument
 }
@@ -517,7 +527,7 @@ fn wrong_dampers_are_told() {
 }
 
 /// Three strings of C4, 0.3 and 0.25 cents beside each other, on six modes of a bridge.
-fn bridged() -> Instrument {
+pub(crate) fn bridged() -> Instrument {
     let mut instrument = damped(1.0);
     instrument
         .edit(|fields| {
@@ -532,7 +542,13 @@ fn bridged() -> Instrument {
         erard::instrument::PianoString { tension_n, bending_n_m2, ..one.clone() }
     };
     instrument.edit(|fields| fields.strings = [-0.3, 0.0, 0.25].map(tuned).to_vec()).unwrap();
-    let mode = |frequency_hz: f64| BridgeMode { name: String::new(), mass_kg: 5.0, frequency_hz, loss_factor: 0.02 };
+    let mode = |frequency_hz: f64| BridgeMode {
+        name: String::new(),
+        mass_kg: 5.0,
+        frequency_hz,
+        loss_factor: 0.02,
+        horizontal: 0.0,
+    };
     instrument
         .edit(|fields| fields.bridge_modes = [112.0, 163.0, 211.0, 256.0, 312.0, 371.0].map(mode).to_vec())
         .unwrap();

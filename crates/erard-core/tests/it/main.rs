@@ -16,6 +16,7 @@ mod convergence;
 mod damper_compass;
 mod dampers;
 mod determinism;
+mod directions;
 mod energy;
 mod felt_laws;
 mod firmware;

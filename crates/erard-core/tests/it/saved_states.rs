@@ -202,6 +202,7 @@ fn optional_laws_change_the_identity() {
                         mass_kg: 1.0,
                         frequency_hz: 90.0,
                         loss_factor: 0.1,
+                        horizontal: 0.0,
                     })
                 },
                 |i| {
@@ -210,6 +211,7 @@ fn optional_laws_change_the_identity() {
                         mass_kg: 1.0,
                         frequency_hz: 91.0,
                         loss_factor: 0.1,
+                        horizontal: 0.0,
                     })
                 },
                 |i| {
@@ -218,6 +220,7 @@ fn optional_laws_change_the_identity() {
                         mass_kg: 1.1,
                         frequency_hz: 90.0,
                         loss_factor: 0.1,
+                        horizontal: 0.0,
                     })
                 },
                 |i| {
@@ -226,6 +229,7 @@ fn optional_laws_change_the_identity() {
                         mass_kg: 1.0,
                         frequency_hz: 90.0,
                         loss_factor: 0.2,
+                        horizontal: 0.0,
                     })
                 },
             ],
@@ -267,6 +271,7 @@ fn optional_laws_change_the_identity() {
                 mass_kg: 1.0,
                 frequency_hz: 90.0,
                 loss_factor: 0.1,
+                horizontal: 0.0,
             });
             fields.zones[0].felt.thickness_m = Some(1.0);
         })

@@ -24,7 +24,7 @@ pub use presses::{Drive, Loudness, SimulatedPress, measure as loudness};
 pub use published::{Published, PublishedError, PublishedKind, PublishedRow};
 pub use sound::{
     RecordedNote, SPEED_M_PER_S as SOUND_SPEED_M_PER_S, SoundError, SoundMeasures, SoundRow, SoundUse, SoundVerdict,
-    recorded_notes, sounds, verdicts,
+    heard, recorded_notes, sounds, verdicts,
 };
 pub use strings::Skipped;
 pub use values::names;

@@ -246,12 +246,25 @@ fn row(keyboard: &Keyboard, note: &RecordedNote, progress: &mut Progress<'_>) ->
     for (speed_m_per_s, duration_s) in
         std::iter::once((SPEED_M_PER_S, DURATION_S)).chain(OTHERS_M_PER_S.map(|speed| (speed, SHORT_S)))
     {
-        let bridge_n = note_of(&instrument, key, speed_m_per_s, duration_s, progress)?;
-        let found = listen(&[bridge_n], f64::from(RATE_HZ), key);
-        heard.push((speed_m_per_s, found.map_err(|error| SoundError::Listen { key, error })?));
+        heard.push((speed_m_per_s, self::heard(&instrument, key, speed_m_per_s, duration_s, progress)?));
     }
     let modelled = measures(&heard);
     Ok(SoundRow { recorded: note.clone(), heard, modelled, left_out: left_out(key) })
+}
+
+/// Plays a note of a hammer speed, held with the pedal down, and measures its force on the bridge.
+///
+/// # Errors
+/// See [`SoundError`].
+pub fn heard(
+    instrument: &Instrument,
+    key: usize,
+    speed_m_per_s: f64,
+    duration_s: f64,
+    progress: &mut Progress<'_>,
+) -> Result<HeardNote, SoundError> {
+    let bridge_n = note_of(instrument, key, speed_m_per_s, duration_s, progress)?;
+    listen(&[bridge_n], f64::from(RATE_HZ), key).map_err(|error| SoundError::Listen { key, error })
 }
 
 /// Force on the bridge of a note of this hammer speed, held with the pedal down, N.

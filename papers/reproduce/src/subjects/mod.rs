@@ -189,6 +189,7 @@ pub fn subjects() -> Vec<Subject> {
             2.0,
             strings::residual::section,
         ),
+        subject("strings-aftersound", "What makes a note fall in two stages", 60.0, strings::aftersound::section),
         subject("dampers", "Dampers over the compass, and half-pedalling", 8.0, dampers::section),
         subject("contact", "How long the hammer touches, and what decides it", 1.0, contact::section),
         subject("outlook", "What the papers leave for later", 0.1, outlook::section),

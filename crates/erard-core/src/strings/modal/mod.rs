@@ -10,12 +10,13 @@ use core::f64::consts::PI;
 
 use moreau_kernels::{Mechanism, Parts, Readout};
 
-use super::bridge::Bridge;
-use super::damping::{self, BridgeCoupling, Felt, Rocks, bridge_coupling};
+use super::bridge::{Bridge, Pair, dot};
+use super::damping::{self, Coupling, DASHPOTS, Felt, Rocks, all_rocks, coupling, felt_of};
 use super::pedal::Rail;
 use super::rows::{Block, Row, WIDE, added, transition};
+use crate::identity::by_name;
 use crate::instrument::REACH_HZ;
-use crate::instrument::{Instrument, MAX_STRINGS, PianoString};
+use crate::instrument::{Instrument, MAX_BRIDGE_MODES, MAX_STRINGS, PianoString};
 
 /// J; strings whose vibration holds less than this are still. A pianissimo puts 1e-3 J into them: 150 dB less. Decaying
 /// for ever, they would end in numbers that are slow to compute with (denormal ones).
@@ -32,6 +33,8 @@ type Between = [[f64; POINTS]; POINTS];
 #[derive(Debug, Clone, Copy)]
 struct Mode {
     string: usize,
+    /// 0 in the direction of the blow, 1 across it.
+    direction: usize,
     n: u32,
     /// Its place in the blocks.
     at: usize,
@@ -48,7 +51,7 @@ struct Prepared {
     felts: Vec<Felt>,
     bridge: Option<Bridge>,
     compliance_m_per_n: Between,
-    sounds: [f64; POINTS],
+    sounds: [Pair; POINTS],
 }
 
 /// The exact motion of a string's mode, which is free, over a span, s: see [`transition`].
@@ -56,11 +59,18 @@ fn free_motion(string: &PianoString, n: u32, span_s: f64) -> [f64; 4] {
     transition(2.0 * PI * string.partial_hz(n), string.decay_per_s(n), span_s)
 }
 
+/// By how much a newton that adds to S the one displaces what adds to S the other, through the bridge, m/N.
+fn moved(per_newton: [Pair; 2], one: Pair, other: Pair) -> f64 {
+    dot(one, [dot(per_newton[0], other), dot(per_newton[1], other)])
+}
+
 /// The strings of one note, struck by one felt, and what lies on them.
 #[derive(Debug, Clone)]
 pub struct Strings {
     strings: Vec<PianoString>,
     bridge_modes: Vec<crate::instrument::BridgeMode>,
+    /// The bridge's modes in the order of their names.
+    bridge_order: Vec<usize>,
     /// The hammer's, those of the dampers' felts, and the pedal's rail's.
     zones: Vec<usize>,
     /// The longest step that an impact is taken in, s.
@@ -72,15 +82,17 @@ pub struct Strings {
     near: bool,
     step_s: f64,
     blocks: Vec<Block>,
+    /// The number of blocks whose modes move in the direction of the blow; the others move across it.
+    vertical: usize,
     modes: Vec<Mode>,
     /// The dampers' felts, each on one string.
     felts: Vec<Felt>,
-    /// What these do beside their forces in the next step.
-    rocks: [Rocks; MAX_STRINGS],
-    /// Where the bridge moves: how these hang together, and its mean displacement in the next step if nothing presses
-    /// the strings, m.
-    coupling: BridgeCoupling,
-    drifts_m: f64,
+    /// What their dashpots do beside their forces in the next step.
+    rocks: [Rocks; DASHPOTS],
+    /// Where the bridge moves or strings move sideways: how these hang together. The bridge's mean displacement in the
+    /// next step if nothing presses the strings, m.
+    coupling: Coupling,
+    drifts_m: Pair,
     rail: Option<Rail>,
     /// Where it moves.
     bridge: Option<Bridge>,
@@ -91,15 +103,15 @@ pub struct Strings {
     beyond_m_per_n: Between,
     static_m_per_n: Between,
     compliance_m_per_n: Between,
-    /// What a newton at each place adds to S in a step; and how far it would displace the bridge, m/N.
-    sounds: [f64; POINTS],
+    /// What a newton at each place adds to S in a step.
+    sounds: [Pair; POINTS],
     /// See [`Surfaces::follow`].
     statically: bool,
     /// What follows from the state: the hammer felt's displacement now and, undisturbed, a step later, m; S, the force
     /// on a bridge that stands still, N.
     now_m: f64,
     free_m: f64,
-    sum_n: f64,
+    sum_n: Pair,
     /// The last step's forces at the places, N.
     forces_n: [f64; POINTS],
     /// Those with which the action came to rest.
@@ -125,9 +137,12 @@ impl Strings {
         let mut zones = vec![zone];
         zones.extend(felts.iter().map(|felt| felt.zone));
         zones.extend(instrument.roles.pedal);
+        let bridge_modes = if instrument.roles.rigid_bridge { Vec::new() } else { instrument.bridge_modes.clone() };
+        let order: [usize; MAX_BRIDGE_MODES] = by_name(bridge_modes.iter().map(|mode| mode.name.as_str()));
         Some(Strings {
             strings: instrument.strings.clone(),
-            bridge_modes: if instrument.roles.rigid_bridge { Vec::new() } else { instrument.bridge_modes.clone() },
+            bridge_order: order[..bridge_modes.len()].to_vec(),
+            bridge_modes,
             zones,
             impact_step_s: parts::impact_step_s(instrument),
             prepared_for: (0.0, Parts::WHOLE),
@@ -135,22 +150,23 @@ impl Strings {
             near: false,
             step_s: 0.0,
             blocks: Vec::new(),
+            vertical: 0,
             modes: Vec::new(),
             felts,
-            rocks: [Rocks::default(); MAX_STRINGS],
-            coupling: BridgeCoupling::default(),
-            drifts_m: 0.0,
+            rocks: [Rocks::default(); DASHPOTS],
+            coupling: [[0.0; DASHPOTS]; DASHPOTS],
+            drifts_m: [0.0; 2],
             rail: instrument.roles.pedal.map(|_| Rail::default()),
             bridge: None,
             hold_n_per_m: instrument.strings.iter().map(|string| string.tension_n / string.length_m).sum(),
             beyond_m_per_n: Between::default(),
             static_m_per_n: Between::default(),
             compliance_m_per_n: Between::default(),
-            sounds: [0.0; POINTS],
+            sounds: [[0.0; 2]; POINTS],
             statically: false,
             now_m: 0.0,
             free_m: 0.0,
-            sum_n: 0.0,
+            sum_n: [0.0; 2],
             forces_n: [0.0; POINTS],
             resting_n: [0.0; POINTS],
             work_j: 0.0,
@@ -183,78 +199,114 @@ impl Strings {
     /// The modes, at rest, with their exact steps of a length. Which ones there are does not depend on it.
     fn make_modes(&mut self, step_s: f64) {
         self.step_s = step_s;
-        let counts: Vec<u32> = self.strings.iter().map(|string| string.stepped()).collect();
-        let blocks_of = |string: usize| (counts[string] as usize).div_ceil(WIDE);
-        let first_of = |string: usize| (0..string).map(blocks_of).sum::<usize>();
-        (self.modes, self.blocks) = (Vec::new(), vec![Block::default(); first_of(counts.len())]);
+        // First those in the direction of the blow, string by string, then those across it.
+        let counts: [Vec<u32>; 2] = [
+            self.strings.iter().map(PianoString::stepped).collect(),
+            self.strings.iter().map(PianoString::stepped_sideways).collect(),
+        ];
+        let blocks_of = |direction: usize, string: usize| (counts[direction][string] as usize).div_ceil(WIDE);
+        let all_of = |direction: usize| (0..counts[direction].len()).map(|string| blocks_of(direction, string)).sum();
+        self.vertical = all_of(0);
+        let horizontal: usize = all_of(1);
+        let first_of = |direction: usize, string: usize| {
+            let before: usize = (0..string).map(|string| blocks_of(direction, string)).sum();
+            before + direction * (0..counts[0].len()).map(|string| blocks_of(0, string)).sum::<usize>()
+        };
+        (self.modes, self.blocks) = (Vec::new(), vec![Block::default(); self.vertical + horizontal]);
         (self.beyond_m_per_n, self.static_m_per_n, self.compliance_m_per_n) =
             (Between::default(), Between::default(), Between::default());
         for felt in &mut self.felts {
-            felt.lay(first_of(felt.string), blocks_of(felt.string));
+            felt.lay([0, 1].map(|direction| (first_of(direction, felt.string), blocks_of(direction, felt.string))));
         }
         let moves = !self.bridge_modes.is_empty();
-        let mut bridge_row = Row::new(0, if moves { self.blocks.len() } else { 0 });
-        let (mut bridge_n_per_m, mut answers_n_per_m) = (self.hold_n_per_m, 0.0);
-        self.sounds = [0.0; POINTS];
-        let share = 1.0 / self.strings.len() as f64;
-        for (index, string) in self.strings.iter().enumerate() {
-            let (count, mass_kg) = (counts[index], string.modal_mass_kg());
-            let felt = self.felts.iter().position(|felt| felt.string == index);
-            for n in 1..=count {
-                let omega = 2.0 * PI * string.partial_hz(n);
-                let shape = share * PianoString::shape(n, string.strike_m, string.length_m);
-                let stiffness_n_per_m = mass_kg * omega * omega;
-                let [qq, qv, vq, vv] = free_motion(string, n, step_s);
-                let rests = shape / stiffness_n_per_m;
-                let at = first_of(index) * WIDE + (n - 1) as usize;
-                let (block, place) = (&mut self.blocks[at / WIDE], at % WIDE);
-                (block.qq[place], block.qv[place], block.vq[place], block.vv[place]) = (qq, qv, vq, vv);
-                (block.fq[place], block.fv[place]) = (rests * (1.0 - qq), -rests * vq);
-                block.shape[place] = shape;
-                let bridge = if string.partial_hz(n) < REACH_HZ { string.bridge_n_per_m(n) } else { 0.0 };
-                block.bridge[place] = bridge;
-                let mut shapes = [0.0; POINTS];
-                shapes[0] = shape;
-                if let Some(k) = felt {
-                    shapes[1 + k] = self.felts[k].set_mode(string, (n, shape), at, stiffness_n_per_m, &self.blocks);
-                }
-                for (p, of_p) in shapes.iter().enumerate() {
-                    for (other, of_other) in shapes.iter().enumerate() {
-                        self.compliance_m_per_n[p][other] += of_p * (of_other / stiffness_n_per_m) * (1.0 - qq);
-                        self.static_m_per_n[p][other] += of_p * (of_other / stiffness_n_per_m);
+        let blocks = if moves { [self.vertical, horizontal] } else { [0; 2] };
+        let mut bridge_rows = [Row::new(0, blocks[0]), Row::new(self.vertical, blocks[1])];
+        let (mut bridge_n_per_m, mut answers_n_per_m) = ([self.hold_n_per_m; 2], [0.0; 2]);
+        self.sounds = [[0.0; 2]; POINTS];
+        let shares = self.shares();
+        for (direction, counts) in counts.iter().enumerate() {
+            for (index, string) in self.strings.iter().enumerate() {
+                let (count, mass_kg) = (counts[index], string.modal_mass_kg());
+                let share = shares[index] * string.strike_direction()[direction];
+                let felt = self.felts.iter().position(|felt| felt.string == index);
+                for n in 1..=count {
+                    let omega = 2.0 * PI * string.partial_hz(n);
+                    let shape = share * PianoString::shape(n, string.strike_m, string.length_m);
+                    let stiffness_n_per_m = mass_kg * omega * omega;
+                    let [qq, qv, vq, vv] = free_motion(string, n, step_s);
+                    let rests = shape / stiffness_n_per_m;
+                    let at = first_of(direction, index) * WIDE + (n - 1) as usize;
+                    let (block, place) = (&mut self.blocks[at / WIDE], at % WIDE);
+                    (block.qq[place], block.qv[place], block.vq[place], block.vv[place]) = (qq, qv, vq, vv);
+                    (block.fq[place], block.fv[place]) = (rests * (1.0 - qq), -rests * vq);
+                    block.shape[place] = shape;
+                    let bridge = if string.partial_hz(n) < REACH_HZ { string.bridge_n_per_m(n) } else { 0.0 };
+                    block.bridge[place] = bridge;
+                    let mut shapes = [0.0; POINTS];
+                    shapes[0] = shape;
+                    match felt {
+                        Some(k) if direction == 0 => {
+                            let blocks = &self.blocks;
+                            shapes[1 + k] = self.felts[k].set_mode(string, (n, shape), at, stiffness_n_per_m, blocks);
+                        }
+                        Some(k) => {
+                            self.felts[k].set_side_mode(string, (n, shape), at, stiffness_n_per_m, &self.blocks);
+                        }
+                        None => {}
                     }
-                    self.sounds[p] += of_p * (bridge / stiffness_n_per_m) * (1.0 - qq);
+                    for (p, of_p) in shapes.iter().enumerate() {
+                        for (other, of_other) in shapes.iter().enumerate() {
+                            self.compliance_m_per_n[p][other] += of_p * (of_other / stiffness_n_per_m) * (1.0 - qq);
+                            self.static_m_per_n[p][other] += of_p * (of_other / stiffness_n_per_m);
+                        }
+                        self.sounds[p][direction] += of_p * (bridge / stiffness_n_per_m) * (1.0 - qq);
+                    }
+                    if moves {
+                        bridge_rows[direction].set(at, bridge, stiffness_n_per_m, &self.blocks);
+                        bridge_n_per_m[direction] += bridge * bridge / stiffness_n_per_m;
+                        answers_n_per_m[direction] += bridge * bridge / stiffness_n_per_m * (1.0 - qq);
+                    }
+                    self.modes.push(Mode { string: index, direction, n, at, mass_kg, stiffness_n_per_m });
                 }
-                if moves {
-                    bridge_row.set(at, bridge, stiffness_n_per_m, &self.blocks);
-                    bridge_n_per_m += bridge * bridge / stiffness_n_per_m;
-                    answers_n_per_m += bridge * bridge / stiffness_n_per_m * (1.0 - qq);
+                // A string that does not move sideways has no compliance there.
+                if direction == 1 && count == 0 {
+                    continue;
                 }
-                self.modes.push(Mode { string: index, n, at, mass_kg, stiffness_n_per_m });
-            }
-            self.beyond_m_per_n[0][0] += share * share * string.static_compliance_beyond(count);
-            if let Some(k) = felt {
-                let [own, with_hammer] = self.felts[k].beyond(string, count);
-                self.beyond_m_per_n[1 + k][1 + k] += own;
-                self.beyond_m_per_n[0][1 + k] += share * with_hammer;
-                self.beyond_m_per_n[1 + k][0] += share * with_hammer;
+                self.beyond_m_per_n[0][0] += share * share * string.static_compliance_beyond(count);
+                if let Some(k) = felt.filter(|_| direction == 0) {
+                    let [own, with_hammer] = self.felts[k].beyond(string, count);
+                    self.beyond_m_per_n[1 + k][1 + k] += own;
+                    self.beyond_m_per_n[0][1 + k] += share * with_hammer;
+                    self.beyond_m_per_n[1 + k][0] += share * with_hammer;
+                }
             }
         }
         self.bridge =
-            moves.then(|| Bridge::new(&self.bridge_modes, bridge_row, bridge_n_per_m, answers_n_per_m, step_s));
-        let sounds_static: [f64; POINTS] = std::array::from_fn(|p| self.sounds_statically(p));
+            moves.then(|| Bridge::new(&self.bridge_modes, bridge_rows, bridge_n_per_m, answers_n_per_m, step_s));
+        let sounds_static: [Pair; POINTS] = std::array::from_fn(|p| self.sounds_statically(p));
         for p in 0..POINTS {
             for other in 0..POINTS {
                 self.static_m_per_n[p][other] += self.beyond_m_per_n[p][other];
                 self.compliance_m_per_n[p][other] += self.beyond_m_per_n[p][other];
                 if let Some(bridge) = &self.bridge {
-                    self.compliance_m_per_n[p][other] += self.sounds[p] * bridge.per_newton() * self.sounds[other];
-                    self.static_m_per_n[p][other] +=
-                        sounds_static[p] * bridge.stands_m(1.0, self.hold_n_per_m) * sounds_static[other];
+                    self.compliance_m_per_n[p][other] += moved(bridge.per_newton(), self.sounds[p], self.sounds[other]);
+                    let stands_m = bridge.stands_m(sounds_static[other], self.hold_n_per_m);
+                    self.static_m_per_n[p][other] += dot(sounds_static[p], stands_m);
                 }
             }
         }
         self.update_surfaces();
+    }
+
+    /// The strings' shares of the hammer's force; their sum is one.
+    fn shares(&self) -> [f64; MAX_STRINGS] {
+        let all: f64 = self.strings.iter().map(|string| string.strike_share).sum();
+        std::array::from_fn(|index| self.strings.get(index).map_or(0.0, |string| string.strike_share / all))
+    }
+
+    /// Whether dashpots and bridge are found together: the bridge moves, or a string moves sideways in its felts.
+    fn is_joint(&self) -> bool {
+        self.bridge.is_some() || self.vertical < self.blocks.len()
     }
 
     /// A mode's displacement at a place per metre of its own.
@@ -266,39 +318,47 @@ impl Strings {
     }
 
     /// The part of a force at a place that stands on the bridge.
-    fn sounds_statically(&self, point: usize) -> f64 {
+    fn sounds_statically(&self, point: usize) -> Pair {
         let bridge = |mode: &Mode| self.blocks[mode.at / WIDE].bridge[mode.at % WIDE];
-        self.modes.iter().map(|mode| self.shape(point, mode) * bridge(mode) / mode.stiffness_n_per_m).sum()
+        let of = |mode: &Mode| self.shape(point, mode) * bridge(mode) / mode.stiffness_n_per_m;
+        [0, 1].map(|direction| self.modes.iter().filter(|mode| mode.direction == direction).map(of).sum())
     }
 
     /// What follows from where the modes are.
     fn update_surfaces(&mut self) {
-        let [mut now, mut free, mut bridge] = [[0.0; WIDE]; 3];
-        for block in &self.blocks {
-            let Block { q, v, qq, qv, shape, bridge: own, .. } = block;
-            for i in 0..WIDE {
-                now[i] += shape[i] * q[i];
-                free[i] += shape[i] * (qq[i] * q[i] + qv[i] * v[i]);
-                bridge[i] += own[i] * q[i];
+        let ([mut now, mut free], mut bridge) = ([[0.0; WIDE]; 2], [[0.0; WIDE]; 2]);
+        for (direction, blocks) in <[_; 2]>::from(self.blocks.split_at(self.vertical)).into_iter().enumerate() {
+            for block in blocks {
+                let Block { q, v, qq, qv, shape, bridge: own, .. } = block;
+                for i in 0..WIDE {
+                    now[i] += shape[i] * q[i];
+                    free[i] += shape[i] * (qq[i] * q[i] + qv[i] * v[i]);
+                    bridge[direction][i] += own[i] * q[i];
+                }
             }
         }
         self.set_sums(now, free, bridge);
-        self.rocks = std::array::from_fn(|k| match self.felts.get(k) {
+        self.rocks = all_rocks(|k| match self.felts.get(k) {
             Some(felt) => felt.rocks(self.forces_n[1 + k], &self.blocks, self.step_s),
-            None => Rocks::default(),
+            None => Default::default(),
         });
-        if let Some(bridge) = &self.bridge {
-            self.drifts_m = bridge.mean_m(self.sum_n, bridge.row.free(&self.blocks));
-            for (rocks, felt) in self.rocks.iter_mut().zip(&self.felts) {
-                rocks.drift_m += felt.rocking_sounds * self.drifts_m;
+        if self.is_joint() {
+            let mut per_newton = [[0.0; 2]; 2];
+            if let Some(bridge) = &self.bridge {
+                self.drifts_m = bridge.mean_m(self.sum_n, bridge.free_n(&self.blocks));
+                per_newton = bridge.per_newton();
             }
-            self.coupling = bridge_coupling(&self.rocks, &self.felts, bridge.per_newton());
+            for (d, rocks) in self.rocks.iter_mut().enumerate().filter(|(_, rocks)| rocks.stiff_n_per_m > 0.0) {
+                let (felt, kind) = felt_of(d);
+                rocks.drift_m += dot(self.felts[felt].dashpots[kind].sounds, self.drifts_m);
+            }
+            self.coupling = coupling(&self.rocks, &self.felts, per_newton);
         }
     }
 
     #[inline(always)]
-    fn set_sums(&mut self, now: [f64; WIDE], free: [f64; WIDE], bridge: [f64; WIDE]) {
-        (self.now_m, self.free_m, self.sum_n) = (added(now), added(free), added(bridge));
+    fn set_sums(&mut self, now: [f64; WIDE], free: [f64; WIDE], bridge: [[f64; WIDE]; 2]) {
+        (self.now_m, self.free_m, self.sum_n) = (added(now), added(free), bridge.map(added));
         for p in 0..=self.felts.len() {
             self.now_m += self.beyond_m_per_n[0][p] * self.forces_n[p];
         }
@@ -306,16 +366,18 @@ impl Strings {
 
     /// The modes' step under a force of the hammer, and what follows from where they are then.
     fn step_modes(&mut self, force_n: f64) {
-        let [mut now, mut free, mut bridge] = [[0.0; WIDE]; 3];
-        for block in &mut self.blocks {
-            let Block { q, v, qq, qv, vq, vv, fq, fv, shape, bridge: own } = block;
-            for i in 0..WIDE {
-                let after = qq[i] * q[i] + qv[i] * v[i] + fq[i] * force_n;
-                v[i] = vq[i] * q[i] + vv[i] * v[i] + fv[i] * force_n;
-                q[i] = after;
-                now[i] += shape[i] * after;
-                free[i] += shape[i] * (qq[i] * after + qv[i] * v[i]);
-                bridge[i] += own[i] * after;
+        let ([mut now, mut free], mut bridge) = ([[0.0; WIDE]; 2], [[0.0; WIDE]; 2]);
+        for (direction, blocks) in <[_; 2]>::from(self.blocks.split_at_mut(self.vertical)).into_iter().enumerate() {
+            for block in blocks {
+                let Block { q, v, qq, qv, vq, vv, fq, fv, shape, bridge: own } = block;
+                for i in 0..WIDE {
+                    let after = qq[i] * q[i] + qv[i] * v[i] + fq[i] * force_n;
+                    v[i] = vq[i] * q[i] + vv[i] * v[i] + fv[i] * force_n;
+                    q[i] = after;
+                    now[i] += shape[i] * after;
+                    free[i] += shape[i] * (qq[i] * after + qv[i] * v[i]);
+                    bridge[direction][i] += own[i] * after;
+                }
             }
         }
         self.set_sums(now, free, bridge);
@@ -329,20 +391,21 @@ impl Strings {
             self.step_modes(self.forces_n[0]);
             return;
         }
-        if self.bridge.is_some() {
-            self.step_with_bridge();
+        if self.is_joint() {
+            self.step_jointly();
             return;
         }
+        let rocking: [Rocks; MAX_STRINGS] = std::array::from_fn(|felt| rocks[felt * (DASHPOTS / MAX_STRINGS)]);
         // What the felts' rocking was before.
         let rocked: [f64; MAX_STRINGS] = std::array::from_fn(|k| match self.felts.get(k) {
-            Some(felt) if rocks[k].stiff_n_per_m > 0.0 => felt.rocking.now(&self.blocks),
+            Some(felt) if rocking[k].stiff_n_per_m > 0.0 => felt.dashpots[0].row.now(&self.blocks),
             _ => 0.0,
         });
         self.step_modes(self.forces_n[0]);
         self.press_felts();
         for (k, felt) in self.felts.iter().enumerate() {
-            if rocks[k].stiff_n_per_m > 0.0 {
-                self.rocked_j += felt.rock(&rocks[k], rocked[k], &mut self.blocks);
+            if rocking[k].stiff_n_per_m > 0.0 {
+                self.rocked_j += felt.rock(&rocking[k], rocked[k], &mut self.blocks);
             }
         }
         self.update_surfaces();
@@ -357,33 +420,42 @@ impl Strings {
         }
     }
 
-    /// The same step with a bridge that moves: its mean displacement and the forces of rocked felts are linear in the
-    /// forces, which are all known now.
-    fn step_with_bridge(&mut self) {
+    /// The same step with a bridge that moves, or strings that move sideways: the bridge's mean displacement and the
+    /// forces of the felts' dashpots are linear in the forces, which are all known now.
+    fn step_jointly(&mut self) {
         let s_before_n = self.sum_n;
-        let mut rocking_n = [0.0; MAX_STRINGS];
+        let mut dashpots_n = [0.0; DASHPOTS];
         for (k, _) in self.rocking() {
-            let way = |l: usize| {
+            let way = |(l, rocks): (usize, &Rocks)| {
                 let pressed: f64 = (0..POINTS).map(|p| self.rocked_by(l, p) * self.forces_n[p]).sum();
-                self.coupling[k][l] * (self.rocks[l].drift_m + pressed)
+                self.coupling[k][l] * (rocks.drift_m + pressed)
             };
-            rocking_n[k] = -(0..self.felts.len()).map(way).sum::<f64>();
+            dashpots_n[k] = -self.rocking().map(way).sum::<f64>();
         }
-        let Some(bridge) = &self.bridge else { return };
-        let sounds = self.sounds.iter().zip(&self.forces_n).map(|(sounds, force_n)| sounds * force_n);
-        let rocked = self.felts.iter().zip(&rocking_n).map(|(felt, force_n)| felt.rocking_sounds * force_n);
-        let all_n: f64 = sounds.sum::<f64>() + rocked.sum::<f64>();
-        let mean_m = bridge.mean_m(s_before_n, bridge.row.free(&self.blocks) + all_n);
+        let mut all_n = [0.0; 2];
+        for (sounds, force_n) in self.sounds.iter().zip(&self.forces_n) {
+            (all_n[0], all_n[1]) = (all_n[0] + sounds[0] * force_n, all_n[1] + sounds[1] * force_n);
+        }
+        for (k, _) in self.rocking() {
+            let (felt, kind) = felt_of(k);
+            let sounds = self.felts[felt].dashpots[kind].sounds;
+            (all_n[0], all_n[1]) = (all_n[0] + sounds[0] * dashpots_n[k], all_n[1] + sounds[1] * dashpots_n[k]);
+        }
+        let mean_m = self.bridge.as_ref().map(|bridge| {
+            let [vertical, horizontal] = bridge.free_n(&self.blocks);
+            bridge.mean_m(s_before_n, [vertical + all_n[0], horizontal + all_n[1]])
+        });
         self.step_modes(self.forces_n[0]);
         self.press_felts();
-        for ((felt, rocks), force_n) in self.felts.iter().zip(&self.rocks).zip(rocking_n) {
+        for (k, (rocks, force_n)) in self.rocks.iter().zip(dashpots_n).enumerate() {
             if force_n != 0.0 {
-                felt.rocking.press(force_n, &mut self.blocks);
+                let (felt, kind) = felt_of(k);
+                self.felts[felt].dashpots[kind].row.press(force_n, &mut self.blocks);
                 self.rocked_j += force_n * force_n / rocks.per_s;
             }
         }
-        if let Some(bridge) = &mut self.bridge {
-            bridge.row.press(mean_m, &mut self.blocks);
+        if let (Some(bridge), Some(mean_m)) = (&mut self.bridge, mean_m) {
+            bridge.press(mean_m, &mut self.blocks);
             let s_n = bridge.sum_n(&self.blocks);
             self.bridge_j += bridge.advance(bridge.mean_force_n([s_before_n, s_n], mean_m));
         }
@@ -401,14 +473,16 @@ impl Strings {
         }
     }
 
-    /// The felts that rock, by their strings' places among them.
+    /// The dashpots that move.
     fn rocking(&self) -> impl Iterator<Item = (usize, &Rocks)> {
         self.rocks.iter().enumerate().filter(|(_, rocks)| rocks.stiff_n_per_m > 0.0)
     }
 
-    /// By how much a newton at a place rocks a felt in a step, m/N.
-    fn rocked_by(&self, felt: usize, point: usize) -> f64 {
-        let [hammer, own] = self.felts[felt].rocked_by_m_per_n;
+    /// By how much a newton at a place moves a dashpot in a step, m/N.
+    fn rocked_by(&self, dashpot: usize, point: usize) -> f64 {
+        let (felt, kind) = felt_of(dashpot);
+        let dashpot = &self.felts[felt].dashpots[kind];
+        let [hammer, own] = dashpot.moved_by_m_per_n;
         let alone = match point {
             0 => hammer,
             _ if point == 1 + felt => own,
@@ -416,33 +490,35 @@ impl Strings {
         };
         match &self.bridge {
             None => alone,
-            Some(bridge) => alone + self.felts[felt].rocking_sounds * bridge.per_newton() * self.sounds[point],
+            Some(bridge) => alone + moved(bridge.per_newton(), dashpot.sounds, self.sounds[point]),
         }
     }
 
-    /// How much smaller the compliance of two places is in a step because felts are rocked by it, m/N; with a bridge
-    /// that moves.
+    /// How much smaller the compliance of two places is in a step because dashpots are moved by it, m/N; where these
+    /// hang together.
     fn held_m_per_n(&self, a: usize, b: usize) -> f64 {
         let of = |k: usize| -> f64 { self.rocking().map(|(l, _)| self.coupling[k][l] * self.rocked_by(l, b)).sum() };
         self.rocking().map(|(k, _)| self.rocked_by(k, a) * of(k)).sum()
     }
 
     /// Where a mode stands under the forces that are set, m. `bridge_m`: with the bridge there.
-    fn rest_of(&self, mode: &Mode, bridge_m: f64) -> f64 {
+    fn rest_of(&self, mode: &Mode, bridge_m: Pair) -> f64 {
         let pressed: f64 = (0..=self.felts.len()).map(|p| self.shape(p, mode) * self.forces_n[p]).sum();
-        let bridge = self.blocks[mode.at / WIDE].bridge[mode.at % WIDE] * bridge_m;
+        let bridge = self.blocks[mode.at / WIDE].bridge[mode.at % WIDE] * bridge_m[mode.direction];
         (pressed + bridge) / mode.stiffness_n_per_m
     }
 
     /// Where the bridge stands under the forces that are set, m, and the strings' force on it then, N.
-    fn bridge_stands(&self) -> [f64; 2] {
-        let Some(bridge) = &self.bridge else { return [0.0; 2] };
-        let pressed: f64 = (0..=self.felts.len())
-            .filter(|p| self.forces_n[*p] != 0.0)
-            .map(|p| self.sounds_statically(p) * self.forces_n[p])
-            .sum();
+    fn bridge_stands(&self) -> [Pair; 2] {
+        let Some(bridge) = &self.bridge else { return [[0.0; 2]; 2] };
+        let mut pressed = [0.0; 2];
+        for p in (0..=self.felts.len()).filter(|p| self.forces_n[*p] != 0.0) {
+            let [vertical, horizontal] = self.sounds_statically(p);
+            pressed[0] += vertical * self.forces_n[p];
+            pressed[1] += horizontal * self.forces_n[p];
+        }
         let stands_m = bridge.stands_m(pressed, self.hold_n_per_m);
-        [stands_m, pressed - self.hold_n_per_m * stands_m]
+        [stands_m, std::array::from_fn(|d| pressed[d] - self.hold_n_per_m * stands_m[d])]
     }
 
     /// Puts every mode where it rests under the forces that are set.

@@ -4,7 +4,7 @@ use super::{Mode, Strings};
 use crate::index::IndexError;
 use crate::instrument::PianoString;
 use crate::strings::StringLosses;
-use crate::strings::bridge::Bridge;
+use crate::strings::bridge::dot;
 use crate::strings::rows::WIDE;
 
 impl Strings {
@@ -30,13 +30,20 @@ impl Strings {
     /// are stepped. What lies on the strings is part of it.
     #[must_use]
     pub fn bridge_n(&self) -> f64 {
+        self.bridge_forces_n()[0]
+    }
+
+    /// Forces of all strings on the bridge now, N: in the direction of the blow, as [`Strings::bridge_n`], and across
+    /// it.
+    #[must_use]
+    pub fn bridge_forces_n(&self) -> [f64; 2] {
         self.bridge.as_ref().map_or(self.sum_n, |bridge| bridge.force_n(self.sum_n))
     }
 
-    /// Displacement of the bridge now, m; 0 where it does not move.
+    /// Displacement of the bridge in the direction of the blow now, m; 0 where it does not move.
     #[must_use]
     pub fn bridge_m(&self) -> f64 {
-        self.bridge.as_ref().map_or(0.0, Bridge::displacement_m)
+        self.bridge.as_ref().map_or(0.0, |bridge| bridge.displacement_m()[0])
     }
 
     /// Forces of the dampers' felts on their strings in the last step, N, in the strings' order; of strings that a
@@ -65,21 +72,21 @@ impl Strings {
         }
     }
 
-    /// A string's displacement at a place now, m, of the modes that are stepped; `place_m` from the end that the strike
-    /// is counted from.
+    /// A string's displacement in the direction of the blow at a place now, m, of the modes that are stepped;
+    /// `place_m` from the end that the strike is counted from.
     ///
     /// # Errors
     /// There is no such string.
     pub fn shape_m(&self, string: usize, place_m: f64) -> Result<f64, IndexError> {
         IndexError::check("string", string, self.strings.len())?;
         let length_m = self.strings[string].length_m;
-        let own = self.modes.iter().filter(|mode| mode.string == string);
+        let own = self.modes.iter().filter(|mode| mode.string == string && mode.direction == 0);
         let shapes = own
             .map(|mode| PianoString::shape(mode.n, place_m, length_m) * self.blocks[mode.at / WIDE].q[mode.at % WIDE]);
         Ok(shapes.sum())
     }
 
-    /// The modes of a string: number, and place in the blocks.
+    /// The modes of a string in both directions: number, and place in the blocks.
     pub(in crate::strings) fn modes_of(&self, string: usize) -> impl Iterator<Item = (u32, usize)> + '_ {
         self.modes.iter().filter(move |mode| mode.string == string).map(|mode| (mode.n, mode.at))
     }
@@ -103,10 +110,28 @@ impl Strings {
         [self.bridge.is_some(), !self.felts.is_empty()]
     }
 
-    /// Displacement, m, and velocity, m/s, of a string's partial now; `None` where it is not stepped.
+    /// The modes of a string in the direction of the blow.
+    pub(in crate::strings) fn vertical_modes_of(&self, string: usize) -> impl Iterator<Item = (u32, usize)> + '_ {
+        let is_own = move |mode: &&super::Mode| (mode.string, mode.direction) == (string, 0);
+        self.modes.iter().filter(is_own).map(|mode| (mode.n, mode.at))
+    }
+
+    /// Displacement, m, and velocity, m/s, of a string's partial in the direction of the blow now; `None` where it is
+    /// not stepped.
     #[must_use]
     pub fn partial(&self, string: usize, n: u32) -> Option<[f64; 2]> {
-        let mode = self.modes.iter().find(|mode| (mode.string, mode.n) == (string, n))?;
+        self.partial_of(string, n, 0)
+    }
+
+    /// Likewise across the blow: of a string that moves sideways.
+    #[must_use]
+    pub fn partial_sideways(&self, string: usize, n: u32) -> Option<[f64; 2]> {
+        self.partial_of(string, n, 1)
+    }
+
+    fn partial_of(&self, string: usize, n: u32, direction: usize) -> Option<[f64; 2]> {
+        let is_it = |mode: &&super::Mode| (mode.string, mode.n, mode.direction) == (string, n, direction);
+        let mode = self.modes.iter().find(is_it)?;
         Some(self.mode_now(mode.at))
     }
 
@@ -132,7 +157,7 @@ impl Strings {
             }
         }
         let bridge = self.bridge.as_ref();
-        let bridge = bridge.map_or(0.0, |bridge| bridge.energy_j() - bridge.displacement_m() * self.sum_n);
+        let bridge = bridge.map_or(0.0, |bridge| bridge.energy_j() - dot(bridge.displacement_m(), self.sum_n));
         modes + beyond + bridge
     }
 }

@@ -4,17 +4,15 @@ use super::{Mode, POINTS, Strings, free_motion};
 use crate::strings::rows::WIDE;
 
 impl Strings {
-    /// Whether nothing has touched them in the last step, on a bridge that does not move: each mode is then free.
+    /// Whether nothing has touched them in the last step.
     pub(super) fn untouched(&self) -> bool {
-        self.bridge.is_none()
-            && self.forces_n.iter().all(|force_n| *force_n == 0.0)
-            && self.rocks.iter().all(|rocks| rocks.stiff_n_per_m == 0.0)
+        self.forces_n.iter().all(|force_n| *force_n == 0.0) && self.rocks.iter().all(|rocks| rocks.stiff_n_per_m == 0.0)
     }
 
-    /// Whether each mode moves freely, and no damper is moved.
+    /// Whether each mode moves freely, on a bridge that does not move, and no damper is moved.
     pub(crate) fn ring_freely(&self) -> bool {
         let moved = self.rail.is_some_and(|rail| rail.moves());
-        self.untouched() && !(self.still || self.statically || moved)
+        self.bridge.is_none() && self.untouched() && !(self.still || self.statically || moved)
     }
 
     /// Lets them ring freely for a number of spans of a length, s, and shows them after each span. The motion of a free
@@ -39,10 +37,16 @@ impl Strings {
         (2.0 * self.mode_energy_j(mode) / mode.stiffness_n_per_m).sqrt()
     }
 
-    /// How far each place swings at most, with all modes in step, m; unknown while something touches the strings.
+    /// How far each place swings at most, with all modes in step, m; unknown while something touches the strings. Where
+    /// a bridge moves, modes exchange energy, but all together have no more than now: a place of static compliance C is
+    /// then displaced by sqrt(2 E C) at most.
     pub(super) fn largest_swings_m(&self) -> [f64; POINTS] {
         if !self.untouched() {
             return [f64::INFINITY; POINTS];
+        }
+        if self.bridge.is_some() {
+            let energy_j = self.energy_j().max(0.0);
+            return std::array::from_fn(|p| (2.0 * energy_j * self.static_m_per_n[p][p]).sqrt());
         }
         let mut swings_m = [0.0; POINTS];
         for mode in &self.modes {
@@ -55,10 +59,15 @@ impl Strings {
     }
 
     /// The force on the bridge, N, up or down, that all modes in step with each other would make: strings that nothing
-    /// touches make no larger one from now on.
+    /// touches make no larger one from now on. On a bridge that moves all together have no more than their energy E,
+    /// and make sqrt(2 E K) at most.
     #[must_use]
     pub fn largest_bridge_n(&self) -> f64 {
+        if let Some(bridge) = &self.bridge {
+            return (2.0 * self.energy_j().max(0.0) * bridge.stiffness_n_per_m()).sqrt();
+        }
         let bridge_n_per_m = |mode: &Mode| self.blocks[mode.at / WIDE].bridge[mode.at % WIDE];
-        self.modes.iter().map(|mode| bridge_n_per_m(mode).abs() * self.amplitude_m(mode)).sum()
+        let vertical = self.modes.iter().filter(|mode| mode.direction == 0);
+        vertical.map(|mode| bridge_n_per_m(mode).abs() * self.amplitude_m(mode)).sum()
     }
 }

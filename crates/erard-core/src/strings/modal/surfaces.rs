@@ -7,8 +7,9 @@ use moreau_kernels::{Parts, Surfaces, TellNumbers};
 
 use super::{Between, POINTS, Strings};
 use crate::identity::by_name;
-use crate::instrument::{MAX_BRIDGE_MODES, MAX_STRINGS};
-use crate::strings::bridge::Bridge;
+use crate::instrument::MAX_STRINGS;
+use crate::strings::bridge::{Bridge, dot};
+use crate::strings::damping::felt_of;
 use crate::strings::pedal::Rail;
 use crate::strings::rows::WIDE;
 
@@ -33,11 +34,6 @@ impl Strings {
 
     fn felts_by_name(&self) -> impl Iterator<Item = usize> + '_ {
         self.strings_by_name().filter_map(|string| self.felts.iter().position(|felt| felt.string == string))
-    }
-
-    fn bridge_by_name(&self) -> impl Iterator<Item = usize> + use<> {
-        let order: [usize; MAX_BRIDGE_MODES] = by_name(self.bridge_modes.iter().map(|mode| mode.name.as_str()));
-        order.into_iter().take(self.bridge_modes.len())
     }
 }
 
@@ -86,8 +82,8 @@ impl Surfaces for Strings {
         }
         let alone = index.checked_sub(1).map_or(self.free_m, |k| self.felts[k].row.free(&self.blocks));
         let mut compliance = self.compliance_m_per_n[index][index];
-        if self.bridge.is_some() {
-            let mut free = alone + self.sounds[index] * self.drifts_m;
+        if self.is_joint() {
+            let mut free = alone + dot(self.sounds[index], self.drifts_m);
             for (k, _) in self.rocking() {
                 let held_n: f64 = self.rocking().map(|(l, rocks)| self.coupling[k][l] * rocks.drift_m).sum();
                 free -= self.rocked_by(k, index) * held_n;
@@ -108,7 +104,7 @@ impl Surfaces for Strings {
         *compliance = self.static_m_per_n;
         if !self.statically {
             *compliance = self.compliance_m_per_n;
-            if self.bridge.is_some() {
+            if self.is_joint() {
                 for (a, row) in compliance.iter_mut().enumerate().take(1 + self.felts.len()) {
                     for (b, gives) in row.iter_mut().enumerate().take(1 + self.felts.len()).filter(|(b, _)| *b != a) {
                         *gives -= self.held_m_per_n(a, b);
@@ -117,9 +113,10 @@ impl Surfaces for Strings {
                 return if self.felts.is_empty() { 0 } else { 1 + self.felts.len() };
             }
             for (k, rocks) in self.rocking() {
-                let less = self.rocked_by(k, 0) * rocks.stiff_n_per_m * self.rocked_by(k, 1 + k);
-                compliance[0][1 + k] -= less;
-                compliance[1 + k][0] -= less;
+                let (felt, _) = felt_of(k);
+                let less = self.rocked_by(k, 0) * rocks.stiff_n_per_m * self.rocked_by(k, 1 + felt);
+                compliance[0][1 + felt] -= less;
+                compliance[1 + felt][0] -= less;
             }
         }
         if self.felts.is_empty() { 0 } else { 1 + self.felts.len() }
@@ -187,7 +184,8 @@ impl Surfaces for Strings {
     fn save(&self, put: &mut dyn FnMut(&'static str, &mut dyn Iterator<Item = f64>)) {
         let modes = self.strings_by_name().flat_map(|string| self.modes_of(string));
         put("string_modes", &mut modes.flat_map(|(_, at)| self.mode_now(at)));
-        let bridge = self.bridge.iter().flat_map(|bridge| self.bridge_by_name().map(|index| bridge.mode_now(index)));
+        let bridge =
+            self.bridge.iter().flat_map(|bridge| self.bridge_order.iter().map(|index| bridge.mode_now(*index)));
         put("string_bridge_modes", &mut bridge.flatten());
         put("string_hammer_N", &mut std::iter::once(self.forces_n[0]));
         put("string_dampers_N", &mut self.felts_by_name().map(|felt| self.forces_n[1 + felt]));
@@ -226,11 +224,10 @@ impl Surfaces for Strings {
         self.swings_m = [f64::INFINITY; POINTS];
         let (strings, felts): ([usize; MAX_STRINGS], [usize; MAX_STRINGS]) =
             (order(self.strings_by_name()), order(self.felts_by_name()));
-        let bridge_modes: [usize; MAX_BRIDGE_MODES] = order(self.bridge_by_name());
-        let mut modes = strings.into_iter().take(self.strings.len()).flat_map(|string| {
-            let first = self.modes.iter().position(|mode| mode.string == string).unwrap_or(self.modes.len());
-            self.modes[first..].iter().take_while(move |mode| mode.string == string)
-        });
+        let modes = &self.modes;
+        let of = |string: usize| modes.iter().filter(move |mode| mode.string == string);
+        let mut modes = strings.into_iter().take(self.strings.len()).flat_map(of);
+        let bridge_modes = &self.bridge_order;
         let (blocks, mut at) = (&mut self.blocks, 0);
         each("string_modes", &mut |index, number| {
             if index % 2 == 0 {

@@ -1,6 +1,7 @@
 //! Strings that throw the hammer back, over the compass and the loudness; two stages of decay over a moving bridge;
 //! convergence of an impact, and its energy balance.
 
+pub(super) mod aftersound;
 mod books;
 mod convergence;
 pub(super) mod head;
