@@ -1,10 +1,10 @@
 //! The modes of a soundboard at the bridge, drawn from a modal density, an effective mass and a seed.
 //!
 //! Each mode lies at a random place of its own interval of 1/n Hz. The board's bending waves meet the bridge with a
-//! random phase psi: where the mode's shape is cos psi, its slope is sin psi, and a bridge that stands on the board rocks
-//! by that slope. With M the mass of what moves and shapes whose mean square over the board is 1, the strings' ends move by
-//! sqrt(2) cos psi vertically and by c sqrt(2) sin psi horizontally. Over many modes the conductance is n / (4 M), and across it c^2 of
-//! that (n in modes per Hz).
+//! random phase psi: where the mode's shape is cos psi, its slope is sin psi, and a bridge that stands on the board
+//! rocks by that slope. With M the mass of what moves and shapes whose mean square over the board is 1, the strings'
+//! ends move by sqrt(2) cos psi vertically and by c sqrt(2) sin psi horizontally. Over many modes the conductance is
+//! n / (4 M), and across it c^2 of that (n in modes per Hz).
 
 use std::f64::consts::{PI, SQRT_2};
 
