@@ -26,27 +26,35 @@ pub(super) struct Band {
 }
 
 impl Band {
-    /// More modes than so many are never drawn.
-    pub(super) fn largest_count(&self) -> usize {
-        ((self.hz[1] - self.hz[0]) * self.modes_per_hz).ceil() as usize
+    /// Number of modes, the last of which may be a part of one.
+    fn expected(&self) -> f64 {
+        (self.hz[1] - self.hz[0]) * self.modes_per_hz
+    }
+
+    /// Number of modes that are drawn.
+    pub(super) fn count(&self) -> usize {
+        (self.expected() * (1.0 - 1e-12)).ceil() as usize
     }
 
     /// The modes of a seed, from the lowest.
     pub(super) fn modes(&self, name: &str, seed: u64) -> Vec<BridgeMode> {
         let mut random = Random(name.bytes().fold(seed, |seed, byte| Random(seed ^ u64::from(byte)).next()));
         let mode = |index: usize| {
-            let frequency_hz = self.hz[0] + (index as f64 + random.part()) / self.modes_per_hz;
+            // What is left of the band at its end has a part of a mode: the conductance is a continuous function of all
+            // numbers.
+            let part = (self.expected() - index as f64).min(1.0);
+            let frequency_hz = self.hz[0] + (index as f64 + part * random.part()) / self.modes_per_hz;
             let phase = 2.0 * PI * random.part();
             let [vertical, horizontal] = [SQRT_2 * libm::cos(phase), self.horizontal * SQRT_2 * libm::sin(phase)];
             BridgeMode {
                 name: format!("{name}.{}", index + 1),
-                mass_kg: self.mass_kg / (vertical * vertical),
+                mass_kg: self.mass_kg / (part * vertical * vertical),
                 frequency_hz,
                 loss_factor: self.loss_factor,
                 horizontal: horizontal / vertical,
             }
         };
-        (0..self.largest_count()).map(mode).filter(|mode| mode.frequency_hz < self.hz[1]).collect()
+        (0..self.count()).map(mode).collect()
     }
 }
 

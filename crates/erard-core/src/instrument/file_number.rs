@@ -144,7 +144,7 @@ numbers! {
     /// Upper end of a band of the soundboard.
     BOARD_TO "board.*" "to_Hz" "Hz" [1.0, 2e4]
     /// Modal density of a band of the soundboard.
-    BOARD_DENSITY "board.*" "modes_per_Hz" "1/Hz" [1e-6, 10.0]
+    BOARD_DENSITY "board.*" "modal_density_s" "s" [1e-6, 10.0]
     /// Effective mass of a mode of a band of the soundboard.
     BOARD_MASS "board.*" "mass_g" "g" [1.0, 1e6]
     /// Loss factor of a band of the soundboard.

@@ -239,10 +239,10 @@ pub(crate) struct BridgeModeToml {
     pub horizontal: Option<Num<Real>>,
 }
 
-/// A band of the soundboard's modes at the bridge. Each has one mode per `1 / modes_per_Hz`, at a random place of its
-/// interval, and a random phase psi: the bridge lies at cos psi of the mode's shape, whose slope there, sin psi, rocks
-/// it. Vertical motion is cos psi times the square root of 2, horizontal motion `horizontal` sin psi times that: the
-/// mean conductance is modes_per_Hz / (4 mass), and across the blow `horizontal` squared of it.
+/// A band of the soundboard's modes at the bridge. Each interval of 1 / `modal_density_s` has one, at a random place
+/// and with a random phase psi: the bridge lies at cos psi of the mode's shape, whose slope there, sin psi, rocks it.
+/// Vertical motion is cos psi times the square root of 2, horizontal motion `horizontal` sin psi times that: the mean
+/// conductance is modal_density_s / (4 mass), and across the blow `horizontal` squared of it.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Board")]
@@ -256,9 +256,8 @@ pub(crate) struct BoardToml {
     /// Upper end of the band, Hz.
     #[serde(rename = "to_Hz")]
     pub to_hz: Num<Positive>,
-    /// Modal density, modes per Hz.
-    #[serde(rename = "modes_per_Hz")]
-    pub modes_per_hz: Num<Positive>,
+    /// Modal density, s: modes per Hz.
+    pub modal_density_s: Num<Positive>,
     /// Effective mass, g: that of all that moves in a mode, where the mean square of its shape over the board is 1.
     pub mass_g: Num<Positive>,
     /// Loss factor, from 0 to 0.99, as that of a bridge mode.

@@ -208,7 +208,7 @@ pub(super) fn read_board(
                 reader.scalar(&table.from_hz, FileNumber::BOARD_FROM)?,
                 reader.scalar(&table.to_hz, FileNumber::BOARD_TO)?,
             ],
-            modes_per_hz: reader.scalar(&table.modes_per_hz, FileNumber::BOARD_DENSITY)?,
+            modes_per_hz: reader.scalar(&table.modal_density_s, FileNumber::BOARD_DENSITY)?,
             mass_kg: reader.scalar(&table.mass_g, FileNumber::BOARD_MASS)? / G_PER_KG,
             loss_factor: reader.scalar(&table.loss_factor, FileNumber::BOARD_LOSS)?,
             horizontal: reader.scalar_or_zero(table.horizontal.as_ref(), FileNumber::BOARD_HORIZONTAL)?,
@@ -220,10 +220,10 @@ pub(super) fn read_board(
                 .found(format!("{to_hz} Hz")));
         }
         let free = MAX_BRIDGE_MODES.saturating_sub(instrument.bridge_modes.len());
-        if band.largest_count() > free {
+        if band.count() > free {
             let expected = format!("at most {MAX_BRIDGE_MODES} modes of the bridge in all");
-            return Err(Fault::at(table.modes_per_hz.value_span(), "too many modes of the soundboard", expected)
-                .found(format!("up to {} in this band, {free} are left", band.largest_count())));
+            return Err(Fault::at(table.modal_density_s.value_span(), "too many modes of the soundboard", expected)
+                .found(format!("{} in this band, {free} are left", band.count())));
         }
         instrument.fields.bridge_modes.extend(band.modes(&name, seed));
         names.push(name);

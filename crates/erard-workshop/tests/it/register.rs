@@ -24,9 +24,10 @@ use moreau::{LAWS, Range};
 use serde_json::Value;
 
 /// Numbers of the schema that are no numbers of the instrument.
-const OTHER_NUMBERS: [(&str, &str); 3] = [
+const OTHER_NUMBERS: [(&str, &str); 4] = [
     ("key", "which key of a piano it is"),
     ("sample", "which sample of a piano it is"),
+    ("board.*.seed", "which modes are drawn: no quantity"),
     ("part.*.outline_mm", "drawings: no result depends on them"),
 ];
 /// Numbers on which no step depends.
@@ -131,6 +132,8 @@ detuned_cents = 1
 loss_per_s = 1
 loss_s = 1e-9
 strike_mm = 70
+strike_share = 2
+strike_angle_deg = 1
 damper = {{ zone = "damper", middle_mm = 100, length_mm = 40 }}
 [[string]]
 name = "right"
@@ -145,6 +148,15 @@ name = "first"
 mass_g = 1000
 frequency_Hz = 100
 loss_factor = 0.1
+horizontal = 0.1
+[[board]]
+name = "low"
+from_Hz = 110
+to_Hz = 200
+modal_density_s = 0.05
+mass_g = 1000
+loss_factor = 0.1
+horizontal = 0.1
 [roles]
 key = "key"
 key_front_mm = [-200, 1]
