@@ -227,6 +227,28 @@ fn two_directions_win_nothing() {
     }
 }
 
+/// Strings that nothing touches swing no farther, and press on a moving bridge no harder, than their energy allows.
+#[test]
+fn what_swings_stays_within_its_bounds() {
+    let mut m = unhalved(&askew(), 12.5e-6);
+    swing(m.as_mut(), &[0.1; 20]);
+    for _ in 0..64 {
+        m.step(&moreau::SiteInput::Free);
+    }
+    let bounds = |m: &dyn Mechanism| [m.readout().surfaces.unwrap().reach(0), strings(m).largest_bridge_n()];
+    let before = bounds(m.as_ref());
+    let mut most = [0.0_f64; 2];
+    for _ in 0..20_000 {
+        m.step(&moreau::SiteInput::Free);
+        let now = [strings(m.as_ref()).displacement_m(), strings(m.as_ref()).bridge_n()];
+        most.iter_mut().zip(now).for_each(|(most, now)| *most = most.max(now.abs()));
+    }
+    println!("{most:?} of {before:?}, at the end {:?}", bounds(m.as_ref()));
+    for ((most, bound), end) in most.into_iter().zip(before).zip(bounds(m.as_ref())) {
+        assert!(most < bound && bound < 100.0 * most && end < bound, "{most} {bound} {end}");
+    }
+}
+
 /// A string that slides in its damper's felt decays with c sin^2 / (2 m), c = (b/k) F being the loss of the felt under
 /// its force: the first order of a dashpot that is small beside the string's wave impedance (0.3 beside 2.1 N s/m).
 #[test]
