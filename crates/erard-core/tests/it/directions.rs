@@ -320,7 +320,7 @@ fn shares_and_angles_are_those_of_the_blow() {
 fn a_board_is_read() {
     let text = Instrument::builtin_text("concert-grand-strings").unwrap();
     let band = "[[board]]\nname = \"more\"\nfrom_Hz = 400\nto_Hz = 5000\nmodal_density_s = 0.02\nmass_g = 9000\nloss_factor = 0.02\nhorizontal = 0.2\nseed = 3\n";
-    let before = InstrumentFile::parse(&text, "mine.toml").unwrap().instrument.bridge_modes.len();
+    let before = InstrumentFile::parse(text, "mine.toml").unwrap().instrument.bridge_modes.len();
     let read = InstrumentFile::parse(&format!("{text}\n{band}"), "mine.toml").unwrap().instrument;
     let drawn = &read.bridge_modes[before..];
     assert_eq!(drawn.len(), 92);
