@@ -73,6 +73,44 @@ impl Answer {
         self
     }
 
+    /// Prints the first lines of the answer, made of its fields. What is printed after them is the rest, which comes
+    /// with `--full` only; `adds` says what that adds.
+    pub(crate) fn begin(&self, session: &mut Session, lines: impl FnOnce(&Value) -> Vec<String>, adds: &str) {
+        let fields = Value::Object(self.fields.clone());
+        for line in lines(&fields) {
+            session.printer.line(line);
+        }
+        session.printer.begin_rest(adds);
+    }
+
+    /// Prints first lines that are a part of the rest, such as some rows of a table: `--full` prints the rest alone.
+    pub(crate) fn begin_with_part(session: &mut Session, lines: &[String], adds: &str) {
+        if !session.printer.is_full() {
+            session.printer.line(String::new());
+            lines.iter().for_each(|line| session.printer.line(line.clone()));
+        }
+        session.printer.begin_rest(adds);
+    }
+
+    /// Ends what is printed: which files were written, how to repeat the answer, and what `--full` adds.
+    #[must_use]
+    pub(crate) fn end(self, session: &mut Session, written: &Written) -> Self {
+        let left_out = session.printer.end_rest();
+        match (&left_out, session.printer.is_full()) {
+            (Some(_), _) => {
+                session.printer.line(String::new());
+                session.printer.line(written.brief());
+            }
+            _ => session.printer.line(written.to_string()),
+        }
+        let repeat = session.provenance.repeated();
+        session.printer.line(repeat);
+        if let Some(adds) = left_out {
+            session.printer.line(format!("More: --full adds {adds}."));
+        }
+        self.files(written)
+    }
+
     /// All was done and written, but it is not what was asked for: exit code 1, with this message.
     #[must_use]
     pub fn short_of(mut self, message: Option<String>) -> Self {

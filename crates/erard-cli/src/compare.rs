@@ -43,6 +43,17 @@ fn findings(c: &Comparison) -> Vec<Finding<'_>> {
     findings
 }
 
+/// The first lines: the verdicts, those with a number where there are some, and what warns.
+pub(crate) fn headlines(answer: &Value) -> Vec<String> {
+    let all = |key: &str| answer[key].as_array().cloned().unwrap_or_default();
+    let text = |one: &Value| one.as_str().unwrap_or_default().to_owned();
+    let warnings = all("warnings").iter().map(|one| format!("warning: {}", text(one))).collect::<Vec<_>>();
+    let verdicts: Vec<String> = all("verdicts").iter().map(text).collect();
+    let with_number: Vec<String> = verdicts.iter().filter(|one| one.contains(" explains ")).cloned().collect();
+    let first = if with_number.is_empty() { verdicts } else { with_number };
+    first.into_iter().chain(warnings).collect()
+}
+
 /// The errors as a table, then by frequency.
 pub(crate) fn print_table(session: &mut Session, comparison: &Comparison) {
     let findings = findings(comparison);

@@ -10,12 +10,15 @@ use erard_figures::made_by::{MadeBy, Source};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
+use crate::command::version;
+use crate::table::{MAX_WIDTH, wrapped};
+
 /// The commit that the program was built from, where that was known; a `+`: changed since.
 pub(crate) const COMMIT: Option<&str> = option_env!("ERARD_COMMIT");
 
 /// Options that say where results go and how they are reported, not what they are; with a value, or without.
-const ELSEWHERE: [(&str, bool); 5] =
-    [("out", true), ("out-file", true), ("force", false), ("quiet", false), ("json", false)];
+const ELSEWHERE: [(&str, bool); 6] =
+    [("out", true), ("out-file", true), ("force", false), ("quiet", false), ("json", false), ("full", false)];
 
 /// The command line, and what was read.
 #[derive(Debug, Default)]
@@ -105,6 +108,32 @@ impl Provenance {
             let again = Source { preparation: Some(preparation), ..first.clone() };
             self.sources.push(again);
         }
+    }
+
+    /// How the results are made again: the command, the version, and a digest of what they were made from.
+    pub(crate) fn repeated(&self) -> String {
+        let version = version().replace(['(', ')'], "");
+        let digests: Vec<&str> = self.sources.iter().filter_map(|source| source.sha256.as_deref()).collect();
+        let digest = match digests[..] {
+            [] => String::new(),
+            [one] => format!(", digest {}", &one[..12]),
+            _ => format!(", digest {}", &hex(&Sha256::digest(digests.join("\n")))[..12]),
+        };
+        let made = format!("(erard {version}{digest})");
+        // Two blanks keep a line unfolded, so that it can be copied into a shell.
+        let whole = format!("Repeat:  {}  {made}", self.command);
+        if whole.chars().count() <= MAX_WIDTH {
+            return whole;
+        }
+        // A break within quotes would be one in the word.
+        const HELD: char = '\u{e000}';
+        let mut is_quoted = false;
+        let held = self.command.chars().map(|c| {
+            is_quoted ^= c == '\'';
+            if c == ' ' && is_quoted { HELD } else { c }
+        });
+        let words = wrapped(&held.collect::<String>(), MAX_WIDTH - 12);
+        format!("Repeat:  {}\n  {made}", words.join(" \\\n           ").replace(HELD, " "))
     }
 
     /// What makes the results now.

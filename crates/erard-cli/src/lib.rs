@@ -46,6 +46,7 @@ mod small_plot;
 mod spectrogram;
 mod stages;
 mod study;
+mod suggest;
 mod summary;
 pub mod table;
 mod units;

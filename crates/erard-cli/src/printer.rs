@@ -17,6 +17,9 @@ pub struct OutputMode {
     /// Print the answer as JSON on standard output
     #[arg(long, global = true)]
     pub json: bool,
+    /// The rest of an answer after its first lines, too. A program whose answers have a rest has an option for it.
+    #[arg(skip)]
+    pub full: bool,
 }
 
 /// Prints a line on standard output.
@@ -37,6 +40,10 @@ pub struct Printer {
     mode: OutputMode,
     out: Box<dyn Write>,
     is_coloured: bool,
+    /// Whether lines belong to the rest of an answer.
+    is_rest: bool,
+    /// What the rest of the answer would add, where it was left out.
+    left_out: Option<String>,
     /// The first thing that went wrong on standard output.
     fault: Option<io::Error>,
 }
@@ -46,13 +53,20 @@ impl Printer {
     pub(crate) fn standard(mode: OutputMode) -> Self {
         let out = io::stdout();
         let is_coloured = shows_colour(&out);
-        Printer { mode, out: Box::new(out), is_coloured, fault: None }
+        Printer { mode, out: Box::new(out), is_coloured, is_rest: false, left_out: None, fault: None }
     }
 
     /// Prints nothing on standard output.
     #[cfg(test)]
     pub(crate) fn silent() -> Self {
-        Printer { mode: OutputMode::default(), out: Box::new(io::sink()), is_coloured: false, fault: None }
+        Printer {
+            mode: OutputMode::default(),
+            out: Box::new(io::sink()),
+            is_coloured: false,
+            is_rest: false,
+            left_out: None,
+            fault: None,
+        }
     }
 
     /// Changes how results are reported.
@@ -70,10 +84,34 @@ impl Printer {
         self.mode.json
     }
 
+    /// Begins the rest of an answer: lines from here on are printed with `--full` only. `adds` says what they add.
+    pub(crate) fn begin_rest(&mut self, adds: &str) {
+        self.is_rest = true;
+        if self.mode.full {
+            self.line(String::new());
+        } else {
+            self.left_out = Some(adds.to_owned());
+        }
+    }
+
+    /// Ends the rest of an answer.
+    ///
+    /// # Returns
+    /// What it would have added, where it was left out.
+    pub(crate) fn end_rest(&mut self) -> Option<String> {
+        self.is_rest = false;
+        self.left_out.take()
+    }
+
+    /// Whether the rest of an answer is printed, too.
+    pub(crate) fn is_full(&self) -> bool {
+        self.mode.full
+    }
+
     /// Writes lines to standard output: sentences in the width of a terminal, rows of tables as they are; in colour
     /// what is out of range, if a terminal shows it. `finish` reports what went wrong.
     pub fn line(&mut self, text: String) {
-        if self.is_quiet() || self.wants_json() {
+        if self.is_quiet() || self.wants_json() || (self.is_rest && !self.mode.full) {
             return;
         }
         let lines: Vec<String> = folded(&printable(&text))

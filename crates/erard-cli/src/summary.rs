@@ -43,6 +43,66 @@ fn why_no_impact(summary: &Value) -> &'static str {
     }
 }
 
+/// The first lines of an answer of `press`: what a pianist would notice, with the bands where there are some.
+pub(crate) fn headlines(answer: &Value) -> Vec<String> {
+    let measure = |key: &str| MEASURES.iter().find(|(own, ..)| *own == key).and_then(|one| value(answer, one));
+    let rows = answer["bands"].as_array();
+    // A row of a band is named after the measure in the table's unit.
+    let band = |key: &str, decimals: usize| {
+        let stem = key.rsplit_once('_').map_or(key, |(stem, _)| stem);
+        let row = rows?
+            .iter()
+            .find(|row| row["name"].as_str().is_some_and(|name| name == key || name == format!("{stem}_ms")))?;
+        let end = |name: &str| row[name].as_f64().map(|end| format!("{end:.decimals$}"));
+        Some(format!(" ({} to {})", end("low")?, end("high")?))
+    };
+    let with_band = |key: &str, number: f64, unit: &str, decimals: usize| {
+        format!("{number:.decimals$} {unit}{}", band(key, decimals).unwrap_or_default())
+    };
+    let mut lines = Vec::new();
+    if answer["model"] == "one-dof" {
+        lines.push("One degree of freedom has no hammer: it gives the key's motion and the force.".to_owned());
+    } else {
+        match (measure("hammer_speed_m_per_s"), measure("hammer_contact_s")) {
+            (Some(speed), Some(contact)) => {
+                let after = measure("key_start_s").map_or_else(
+                    || with_band("hammer_contact_s", contact, "ms after the start", 1),
+                    |start| format!("{:.1} ms after the key starts to move", contact - start),
+                );
+                let speed = with_band("hammer_speed_m_per_s", speed, "m/s", 2);
+                lines.push(format!("The hammer meets the string at {speed}, {after}."));
+            }
+            _ => lines.push(format!("The hammer does not reach the string: {}.", why_no_impact(answer))),
+        }
+        let impacts = answer["impacts"].as_array().map_or(0, Vec::len);
+        if impacts > 1 {
+            let often = if impacts == 2 { "twice".to_owned() } else { format!("{impacts} times") };
+            lines.push(format!("It strikes {often}."));
+        }
+        if let Some(flight) = measure("free_flight_s") {
+            lines.push(format!("Before that it flies free for {}.", with_band("free_flight_s", flight, "ms", 1)));
+        }
+    }
+    match (measure("key_bottom_s"), measure("hammer_contact_s")) {
+        (Some(bottom), Some(contact)) => {
+            let order = if bottom < contact { "before" } else { "after" };
+            lines.push(format!("The key reaches its bottom {:.1} ms {order} the impact.", (bottom - contact).abs()));
+        }
+        (Some(bottom), None) => lines.push(format!("The key reaches its bottom at {bottom:.1} ms.")),
+        (None, _) => lines.push("The key does not reach its bottom.".to_owned()),
+    }
+    if let Some(force) = measure("peak_force_N") {
+        lines.push(format!("The finger pushes with at most {}.", with_band("peak_force_N", force, "N", 1)));
+    }
+    if let Some((check, contact)) = measure("check_s").zip(measure("hammer_contact_s")) {
+        lines.push(format!("The back check catches the hammer {:.1} ms after the impact.", check - contact));
+    }
+    if let Some(samples) = rows.map(|rows| rows.iter().filter_map(|row| row["samples"].as_u64()).max().unwrap_or(0)) {
+        lines.push(format!("In brackets: 5 to 95 % of {samples} random grands."));
+    }
+    lines
+}
+
 /// The largest lift of each pivot that lies on a zone, above its place at the start of the run.
 fn lifts(run: &Run) -> Value {
     let of = |lift: &LiftSeries| {

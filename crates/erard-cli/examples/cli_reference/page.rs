@@ -14,7 +14,7 @@ pub fn markdown(mut program: clap::Command) -> String {
     paragraph(&mut page, &about(&program));
     paragraph(
         &mut page,
-        "With this page you can look up every command and option; `erard COMMAND --help` prints the same. Exit codes: 0 done, \
+        "With this page you can look up every command and option; `erard COMMAND --help-all` prints the same. Exit codes: 0 done, \
          2 wrong input or usage, 130 interrupted, 1 anything else: goals that cannot be met, a doubtful fit, a failure.",
     );
     section(&mut page, &mut program);
@@ -35,7 +35,8 @@ fn section(page: &mut String, parent: &mut clap::Command) {
         let usage = command.render_usage().to_string();
         paragraph(page, &format!("```text\n{}\n```", usage.trim_start_matches("Usage:").trim()));
 
-        let shown = |arg: &&Arg| !arg.is_hide_set() && !["help", "version"].contains(&arg.get_id().as_str());
+        let shown =
+            |arg: &&Arg| !arg.is_hide_set() && !["help", "help-all", "version"].contains(&arg.get_id().as_str());
         let (positional, options): (Vec<&Arg>, Vec<&Arg>) =
             command.get_arguments().filter(shown).partition(|arg| arg.is_positional());
         for (title, list) in [("Arguments", positional), ("Options", options)] {

@@ -29,7 +29,7 @@ use crate::number::{Values, between, list};
 use crate::output::Output;
 use crate::print_line;
 use crate::session::Session;
-use crate::table::{Table, decimal};
+use crate::table::{Table, decimal, spaced};
 
 /// Headers of a ruler's table and of a maker's own table of contacts.
 pub(super) const RULER_HEAD: &str = "raw,mm";
@@ -102,6 +102,9 @@ pub(crate) struct Calibrate {
     force: bool,
 }
 
+/// Rows of a long table of keys that are printed first.
+const FIRST_ROWS: usize = 7;
+
 impl Calibrate {
     /// Runs the command.
     pub(crate) fn run(&self, session: &mut Session) -> Result<Answer, Failure> {
@@ -126,8 +129,7 @@ impl Calibrate {
         output.text(session, &name, &profile.text())?;
         let written = output.commit(session)?;
         self.tell(session, &found);
-        print_line!(session, "{written}");
-        Ok(self.answer(&found)?.files(&written))
+        Ok(self.answer(&found)?.end(session, &written))
     }
 
     fn travel_mm(&self) -> f64 {
@@ -201,8 +203,7 @@ impl Calibrate {
         output.text(session, &name, &Profile::of_contacts(law).text())?;
         let written = output.commit(session)?;
         tell_contacts(session, &law, &keyboard.name, best);
-        print_line!(session, "{written}");
-        Ok(contacts_answer(&law, best)?.files(&written))
+        Ok(contacts_answer(&law, best)?.end(session, &written))
     }
 
     /// The readings of all keys, and those of second sensors.
@@ -278,7 +279,6 @@ impl Calibrate {
 
     fn tell(&self, session: &mut Session, found: &BTreeMap<usize, Found>) {
         print_line!(session, "{} - {} keys", shown(self.readings()), found.len());
-        print_line!(session);
         let rows: Vec<Vec<String>> = found
             .iter()
             .map(|(key, one)| {
@@ -291,7 +291,16 @@ impl Calibrate {
                 ]
             })
             .collect();
-        print_line!(session, "{}", Table::of(["key", "rest", "pressed", "noise, %", "drift, %"], rows));
+        let table = |rows: Vec<Vec<String>>| Table::of(["key", "rest", "pressed", "noise, %", "drift, %"], rows);
+        let places = spaced(rows.len(), FIRST_ROWS);
+        if places.len() < rows.len() {
+            let some = table(places.iter().map(|at| rows[*at].clone()).collect()).to_string();
+            let some: Vec<String> = some.lines().map(str::to_owned).collect();
+            Answer::begin_with_part(session, &some, "the stops of every key");
+        } else {
+            print_line!(session);
+        }
+        print_line!(session, "{}", table(rows));
         for (key, ratio) in unlike(found) {
             let what = "was it pressed to its bottom, and is its sensor like the others?";
             print_line!(session, "key {key}: its range is {ratio:.2} of the median of all keys; {what}");

@@ -9,6 +9,7 @@ use crate::command::out::OutOptions;
 use crate::failure::Failure;
 use crate::print_line;
 use crate::session::Session;
+use crate::suggest::meant;
 use crate::table::Table;
 
 /// Cases to be run: `all`, `choose`, `judge`, or names of cases.
@@ -23,8 +24,9 @@ pub(crate) fn which(text: &str) -> Result<Which, String> {
     if let Some(name) = names.iter().find(|name| !is_known(name)) {
         let known: Vec<&str> = cases.iter().map(|case| &*case.name).collect();
         return Err(format!(
-            "found `{name}`; expected `all`, `choose`, `judge`, or names with commas out of {}",
-            known.join(", ")
+            "found `{name}`; expected `all`, `choose`, `judge`, or names with commas out of {}{}",
+            known.join(", "),
+            meant(name, known.iter().copied().chain(["all", "choose", "judge"]))
         ));
     }
     Ok(Which(names))
@@ -133,9 +135,9 @@ pub(crate) fn run(
         report.missed,
         report.harmful
     );
-    print_line!(session);
+    let answer = Answer::of(&report)?;
     let heads = ["case", "key", "basis", "verdict", "named first", "acceptable"];
-    let rows = report.rows.iter().map(|row| {
+    let row = |row: &CaseRow<'_>| {
         let first = match row.probability {
             Some(p) => format!("{} {:.0} %", row.first, 100.0 * p),
             None => row.first.clone(),
@@ -143,12 +145,16 @@ pub(crate) fn run(
         let harm = if row.harmful_work.is_empty() { String::new() } else { format!(": {}", row.harmful_work) };
         let verdict = format!("{}{harm}", row.verdict);
         [row.name.to_owned(), row.note.clone(), row.basis.to_owned(), verdict, first, row.acceptable.clone()]
-    });
-    print_line!(session, "{}", Table::of(heads, rows));
+    };
+    // Misses and harmful work come first.
+    let missed = report.missed + report.harmful;
+    let worst = Table::of(heads, report.rows.iter().take(missed.max(1)).map(row)).to_string();
+    let worst: Vec<String> = worst.lines().map(str::to_owned).collect();
+    Answer::begin_with_part(session, &worst, "the other cases, with what is named first and what is acceptable");
+    print_line!(session, "{}", Table::of(heads, report.rows.iter().map(row)));
     print_line!(session, "  Readings, sources and what was found are in cases.csv and validation/cases.toml.");
     print_line!(session);
-    print_line!(session, "{written}");
-    let answer = Answer::of(&report)?.files(&written);
+    let answer = answer.end(session, &written);
     let misses = report.missed + report.harmful;
     Ok(if misses > 0 && fail_on_miss {
         answer.short_of(Some(format!("{misses} keys of cases missed")))

@@ -23,6 +23,7 @@ use crate::keyboard::doubts;
 use crate::print_line;
 use crate::recordings::RecordingOptions;
 use crate::session::Session;
+use crate::suggest::meant;
 use crate::table::Table;
 use crate::warn;
 use erard_workshop::test_press::test_presses;
@@ -85,8 +86,9 @@ impl Check {
                 Some((_, text)) => self.toml(session, &shown(&self.file), text.as_bytes())?,
                 None => {
                     return Err(Failure::Usage(format!(
-                        "{}: unknown file type; expected .toml (instrument, keyboard, linkage, published measurements, profile of sensors), .csv or .parquet (stroke, recording, stream, law), .mid (piece), .json (result), or a built-in name (`erard list`)",
-                        shown(&self.file)
+                        "{}: unknown file type; expected .toml (instrument, keyboard, linkage, published measurements, profile of sensors), .csv or .parquet (stroke, recording, stream, law), .mid (piece), .json (result), or a built-in name (`erard list`){}",
+                        shown(&self.file),
+                        meant(&self.file.to_string_lossy(), Instrument::builtin_names())
                     )));
                 }
             },

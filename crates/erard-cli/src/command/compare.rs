@@ -13,7 +13,7 @@ use erard_workshop::compare::{Choice, Comparison, DRIVES, MAX_DURATION_S, Which,
 use super::options::{self, MODELS, StepOptions, check};
 use super::out::OutOptions;
 use crate::answer::Answer;
-use crate::compare::{print_table, report};
+use crate::compare::{headlines, print_table, report};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::instruments::load_instrument;
@@ -87,7 +87,9 @@ impl Compare {
         let written = output.commit(session)?;
 
         print_line!(session, "{title} compared with {}", instrument.name);
-        print_line!(session);
+        let answer = Answer::of(&report)?;
+        let adds = "the errors of every drive and model, by frequency, too, and how the recording was prepared";
+        answer.begin(session, headlines, adds);
         let (verdicts, rests) = (comparison.verdicts(), comparison.rests());
         for line in verdicts.iter().chain(&comparison.force_uncertainties()).chain(&rests).chain(&comparison.notes) {
             print_line!(session, "{line}");
@@ -102,8 +104,7 @@ impl Compare {
             print_line!(session, "  {line}");
         }
         print_line!(session);
-        print_line!(session, "{written}");
-        Ok(Answer::of(&report)?.files(&written))
+        Ok(answer.end(session, &written))
     }
 
     /// Drives and models that were asked for.

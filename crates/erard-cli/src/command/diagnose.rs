@@ -16,7 +16,7 @@ use super::measure::leads;
 use super::options::key;
 use super::out::OutOptions;
 use crate::answer::Answer;
-use crate::diagnose::{Work, html, table, text};
+use crate::diagnose::{Work, headlines, html, table, text, title};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::paper::PageHeader;
@@ -128,10 +128,17 @@ impl Diagnose {
         }
         let written = output.commit(session)?;
         let answer = Answer::of(&found_json)?;
+        let adds = match found.len() {
+            1 => {
+                "all readings with their usual ranges, how to test and cure each cause, and what the next reading decides"
+            }
+            _ => "every key with work, its causes, and what is uneven",
+        };
+        print_line!(session, "{}", title(&work));
+        answer.begin(session, headlines, adds);
         print_line!(session, "{}", text(&work).trim_end_matches('\n'));
         print_line!(session);
-        print_line!(session, "{written}");
-        Ok(answer.files(&written))
+        Ok(answer.end(session, &written))
     }
 
     /// What the options say of one key.

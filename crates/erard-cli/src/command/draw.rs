@@ -13,7 +13,6 @@ use super::press::play_observed;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::instruments::LoadedInstrument;
-use crate::print_line;
 use crate::session::Session;
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pins_at, pose_picture};
 
@@ -118,8 +117,7 @@ impl Draw {
         let picture = pose_picture(&instrument, &angles_at(&run, row), &options);
         output.picture(session, "action", &picture, 1.0)?;
         let written = output.commit(session)?;
-        print_line!(session, "{written}");
-        Ok(Answer::table(session, None).files(&written))
+        Ok(Answer::table(session, None).end(session, &written))
     }
 
     /// The row of a run to draw.

@@ -19,7 +19,7 @@ use super::options::{DRIVES, StepOptions, check};
 use super::out::OutOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::fit::{bounds, column, figure, lines, report, table, value};
+use crate::fit::{bounds, column, figure, headlines, lines, report, table, value};
 use crate::instruments::load_instrument_and_text;
 use crate::names::{Name, one_of};
 use crate::number::{number, whole};
@@ -173,12 +173,15 @@ impl Fit {
         }
         let written = output.commit(session)?;
 
-        for line in lines(&found, &problem, &instrument.name) {
+        let answer = Answer::of(&report)?;
+        print_line!(session, "{} fitted to {}", instrument.name, recordings.join(", "));
+        let adds = "the start and the bounds of each parameter, what the numbers mean, correlations and residuals";
+        answer.begin(session, |_| headlines(&found), adds);
+        for line in lines(&found, &problem) {
             print_line!(session, "{line}");
         }
         print_line!(session);
-        print_line!(session, "{written}");
-        Ok(Answer::of(&report)?.files(&written).short_of(doubtful(&found)))
+        Ok(answer.end(session, &written).short_of(doubtful(&found)))
     }
 
     /// What was recorded, ready to be fitted.

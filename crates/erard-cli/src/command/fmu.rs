@@ -99,11 +99,10 @@ impl Fmu {
         );
         print_line!(session, "  library {} as {binary}", shown(&library));
         print_line!(session);
-        print_line!(session, "{written}");
         let answer = Answer::table(session, None).with("name", &unit.name)?.with("bytes", &archive.len())?;
         let answer = answer.with("variables", &unit.variables.len())?.with("inputs", &inputs)?;
         let answer = answer.with("parameters", &parameters)?.with("library", &shown(&library))?;
-        Ok(answer.with("library_in_unit", &binary)?.files(&written))
+        Ok(answer.with("library_in_unit", &binary)?.end(session, &written))
     }
 
     /// The library: its path, its bytes, and its place in the archive.

@@ -75,9 +75,8 @@ impl Keyboard {
             warn!(session, "warning: {doubt}");
         }
         print_line!(session);
-        print_line!(session, "{written}");
         let answer = Answer::table(session, Some(&table)).with("keyboard", &keyboard.name)?;
-        Ok(answer.with("warnings", &doubts)?.files(&written))
+        Ok(answer.with("warnings", &doubts)?.end(session, &written))
     }
 
     /// The keys that are weighed, with their numbers.
@@ -122,7 +121,6 @@ impl Keyboard {
             warn!(session, "warning: {warning}");
         }
         print_line!(session);
-        print_line!(session, "{written}");
-        Ok(Answer::of(&report)?.with("warnings", &all)?.files(&written))
+        Ok(Answer::of(&report)?.with("warnings", &all)?.end(session, &written))
     }
 }

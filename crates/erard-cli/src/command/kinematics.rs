@@ -21,6 +21,7 @@ use crate::kinematics::{Shown, Summary, dynamics_picture, leverage_picture, slid
 use crate::number::number;
 use crate::print_line;
 use crate::session::Session;
+use crate::suggest::meant;
 use crate::table::Table;
 use crate::warn;
 
@@ -117,11 +118,7 @@ fn linkage_file(session: &mut Session, file_or_name: &str) -> Result<LinkageFile
     let text = LinkageFile::builtin_text(file_or_name).unwrap_or_default();
     let file = LinkageFile::builtin(file_or_name).ok_or_else(|| {
         let names: Vec<&str> = LinkageFile::builtin_names().collect();
-        let hint = if Instrument::builtin_names().any(|name| name == file_or_name) {
-            format!("; `{file_or_name}` is an instrument: --instrument {file_or_name}")
-        } else {
-            String::new()
-        };
+        let hint = meant(file_or_name, names.iter().copied());
         let names = names.join(", ");
         Failure::Usage(format!("there is no file and no built-in linkage `{file_or_name}` (built in: {names}){hint}"))
     })?;
@@ -181,11 +178,15 @@ impl Kinematics {
         let written = output.commit(session)?;
 
         print_line!(session, "{} - kinematics, key {} to {} mm", design.name, short(range.0), short(range.1));
-        print_line!(session);
+        let answer = Answer::of(&summary.json)?;
+        answer.begin(
+            session,
+            |answer| summary.headlines(answer),
+            "sliding over the whole way, the lever arms, the lengths L1 to L10, and what they assume",
+        );
         print_line!(session, "{summary}");
-        print_line!(session, "{written}");
         let unreached = (!unreached.is_empty()).then(|| unreached.join("\nerror: "));
-        Ok(Answer::of(&summary.json)?.files(&written).short_of(unreached))
+        Ok(answer.end(session, &written).short_of(unreached))
     }
 
     fn subject(&self, session: &mut Session) -> Result<Subject, Failure> {
@@ -320,7 +321,8 @@ fn list(session: &mut Session) -> Result<Answer, Failure> {
 fn print(asked: &str) -> Result<Answer, Failure> {
     let text = LinkageFile::builtin_text(asked).ok_or_else(|| {
         let names: Vec<&str> = LinkageFile::builtin_names().collect();
-        Failure::Usage(format!("there is no built-in linkage `{asked}` (built in: {})", names.join(", ")))
+        let meant = meant(asked, names.iter().copied());
+        Failure::Usage(format!("there is no built-in linkage `{asked}` (built in: {}){meant}", names.join(", ")))
     })?;
     Ok(Answer::text(text))
 }

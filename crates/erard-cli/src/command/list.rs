@@ -13,13 +13,15 @@ use crate::failure::Failure;
 use crate::instruments::sample_text;
 use crate::print_line;
 use crate::session::Session;
+use crate::suggest::meant;
 use crate::table::Table;
 
 /// Lists the built-in instruments, keyboards, linkages and strokes, or prints the file of one.
 #[derive(Debug, Args)]
 pub(crate) struct List {
-    /// Name to print: an instrument, a linkage, a stroke (`mf-struck`), `keyboard:NAME`, or a sample
-    /// (`concert-grand:sample=17`, `concert-grand:key=88:sample=17`)
+    /// Kind to list (`instruments`, `keyboards`, `linkages`, `strokes`), or name of the file to print: an instrument, a
+    /// linkage, a stroke (`mf-struck`), `keyboard:NAME`, or a sample (`concert-grand:sample=17`,
+    /// `concert-grand:key=88:sample=17`)
     #[arg(value_name = "NAME")]
     name: Option<String>,
 }
@@ -33,6 +35,9 @@ struct BuiltIn {
     #[serde(skip)]
     text: &'static str,
 }
+
+/// What can be listed alone.
+const KINDS: [&str; 4] = ["instruments", "keyboards", "linkages", "strokes"];
 
 /// What `--json` answers.
 #[derive(Debug, Serialize)]
@@ -77,30 +82,40 @@ impl List {
                 let asked = name.parse().map_err(|error: InstrumentSpecError| Failure::Usage(error.to_string()))?;
                 return Ok(Answer::text(sample_text(session, &asked)?));
             }
+            if let Some(kind) = KINDS.iter().find(|kind| *kind == name || kind.trim_end_matches('s') == name) {
+                let mut some = all();
+                some.retain(|one| one.kind == kind.trim_end_matches('s'));
+                return print(session, some);
+            }
             let (_, text) = built_in(name).ok_or_else(|| {
                 let mut names: Vec<String> = Vec::new();
                 for BuiltIn { kind, name, .. } in all() {
                     names.push(if names.contains(&name) { format!("{kind}:{name}") } else { name });
                 }
-                Failure::Usage(format!("there is no built-in `{name}`; expected one of {}", names.join(", ")))
+                let meant = meant(name, names.iter().map(String::as_str).chain(KINDS));
+                Failure::Usage(format!("there is no built-in `{name}`; expected one of {}{meant}", names.join(", ")))
             })?;
             return Ok(Answer::text(text));
         }
-        let built_in = all();
-        let mut rows: Vec<[String; 2]> = Vec::new();
-        for (at, one) in built_in.iter().enumerate() {
-            let before = at.checked_sub(1).map(|before| built_in[before].kind);
-            if before != Some(one.kind) {
-                rows.extend(before.map(|_| Default::default()));
-                rows.push([format!("{}s", one.kind), String::new()]);
-            }
-            rows.push([format!("  {}", one.name), one.title.clone()]);
-        }
-        print_line!(session, "{}", Table::of(["", ""], rows));
-        print_line!(
-            session,
-            "Copy one to edit it: `erard list NAME > FILE`. Each key of a keyboard is an instrument: NAME:key=1 to 88"
-        );
-        Answer::of(&Listed { built_in })
+        print(session, all())
     }
+}
+
+/// Prints what is built in, kind by kind.
+fn print(session: &mut Session, built_in: Vec<BuiltIn>) -> Result<Answer, Failure> {
+    let mut rows: Vec<[String; 2]> = Vec::new();
+    for (at, one) in built_in.iter().enumerate() {
+        let before = at.checked_sub(1).map(|before| built_in[before].kind);
+        if before != Some(one.kind) {
+            rows.extend(before.map(|_| Default::default()));
+            rows.push([format!("{}s", one.kind), String::new()]);
+        }
+        rows.push([format!("  {}", one.name), one.title.clone()]);
+    }
+    print_line!(session, "{}", Table::of(["", ""], rows));
+    print_line!(
+        session,
+        "Copy one to edit it: `erard list NAME > FILE`. Each key of a keyboard is an instrument: NAME:key=1 to 88"
+    );
+    Answer::of(&Listed { built_in })
 }

@@ -113,8 +113,7 @@ impl Listen {
                 note.clipped
             );
         }
-        print_line!(session, "{written}");
-        Ok(Answer::of(&report)?.files(&written))
+        Ok(Answer::of(&report)?.end(session, &written))
     }
 
     /// The key of a file.

@@ -11,6 +11,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::print_line;
 use crate::session::Session;
+use crate::suggest::meant;
 
 /// Prints a script that completes `erard` commands in a shell.
 #[derive(Debug, Args)]
@@ -68,8 +69,12 @@ impl Man {
             None => program,
             Some(name) => {
                 let found = program.find_subcommand(name).cloned();
-                let found = found
-                    .ok_or_else(|| Failure::Usage(format!("there is no command `{name}`; `erard help` lists them")))?;
+                let names: Vec<String> = program.get_subcommands().map(|one| one.get_name().to_owned()).collect();
+                let found = found.ok_or_else(|| {
+                    let known: Vec<&str> = names.iter().map(String::as_str).collect();
+                    let meant = meant(name, known);
+                    Failure::Usage(format!("there is no command `{name}`{meant}; `erard --help` lists them"))
+                })?;
                 found.display_name(format!("erard-{name}"))
             }
         };

@@ -25,12 +25,13 @@ use crate::inputs::shown;
 use crate::instruments::{load_instrument, load_instrument_and_text};
 use crate::measure::figures::{Drawn, figures};
 use crate::measure::rows::{self, MeasuredRow};
-use crate::measure::{Measured, doubts, page, table};
+use crate::measure::{Measured, doubts, headlines, page, table};
 use crate::number::whole;
 use crate::paper::PageHeader;
 use crate::print_line;
 use crate::session::Session;
 use crate::sheet::{self, AdvisedInstrument, ORDER, before_and_after, beyond, in_the_end, left, tasks};
+use crate::table::spaced;
 use crate::units::Lengths;
 use crate::warn;
 use erard_figures::drawing::{PoseOptions, pose_picture};
@@ -87,6 +88,9 @@ pub(crate) struct Measure {
     #[command(flatten)]
     out: OutOptions,
 }
+
+/// Rows of a long table that are printed first.
+const FIRST_ROWS: usize = 7;
 
 /// Most instruments side by side: more columns than a page is wide.
 const MAX_PAGES: usize = 12;
@@ -173,12 +177,26 @@ impl Measure {
         }
         let written = output.commit(session)?;
 
-        match &measured[..] {
-            [one] if self.sheet => print_line!(session, "{} - technician's sheet", one.label),
-            [one] => print_line!(session, "{} - protocol sheet", one.label),
-            _ => print_line!(session, "Protocol sheets side by side"),
+        let answer = answer(&sheets, reports)?;
+        let labels: Vec<&str> = measured.iter().map(|one| one.label.as_str()).collect();
+        match labels[..] {
+            [one] if self.sheet => {
+                print_line!(session, "{one} - technician's sheet");
+                let adds = "the sheet before and after, the reason for each line, and what it reads then";
+                answer.begin(session, headlines::of_sheet, adds);
+            }
+            [one] => {
+                print_line!(session, "{one} - protocol sheet");
+                let adds = "all lines of the sheet with their usual ranges, the timing and the free flight";
+                answer.begin(session, |answer| headlines::of_one(answer, self.lengths), adds);
+            }
+            _ => {
+                print_line!(session, "Protocol sheets side by side");
+                let lists = if self.sheet { " and the lists of work" } else { "" };
+                let adds = format!("all lines with their usual ranges, the timing, the free flight{lists}");
+                answer.begin(session, |answer| headlines::of_several(answer, &labels, self.lengths), &adds);
+            }
         }
-        print_line!(session);
         // Of one action the sheet has every line that work can set; the whole protocol is in measure.html.
         if !self.sheet || measured.len() > 1 {
             print_line!(session, "{}", table::text(&measured, self.lengths).trim_end_matches('\n'));
@@ -220,8 +238,7 @@ impl Measure {
             }
             print_line!(session);
         }
-        print_line!(session, "{written}");
-        Ok(answer(&sheets, reports)?.files(&written))
+        Ok(answer.end(session, &written))
     }
 
     /// What was asked for, many keys one by one.
@@ -266,13 +283,13 @@ impl Measure {
             })?;
         banded.stage(session, &mut output)?;
         let written = output.commit(session)?;
-        print_line!(session, "{} - values and bands over {count} samples", one.label);
-        print_line!(session);
-        bands::lines(&banded.rows, count).iter().for_each(|line| print_line!(session, "{line}"));
-        print_line!(session);
-        print_line!(session, "{written}");
         let answer = Answer::default().with("bands", &banded.rows)?.with("failed_samples", &banded.failed)?;
-        Ok(answer.files(&written))
+        print_line!(session, "{} - values and bands over {count} samples", one.label);
+        let all = bands::lines(&banded.rows, count);
+        Answer::begin_with_part(session, &all[..all.len().min(FIRST_ROWS)], "all values with their bands");
+        all.iter().for_each(|line| print_line!(session, "{line}"));
+        print_line!(session);
+        Ok(answer.end(session, &written))
     }
 
     /// One row per instrument.
@@ -315,12 +332,22 @@ impl Measure {
         let report = rows::json(&lines, &measured);
         output.json(session, "measure.json", &report)?;
         let written = output.commit(session)?;
+        let answer = Answer::default().with("instruments", &report)?;
         print_line!(session, "{} measured", measured.len());
+        let table = |rows: &[MeasuredRow]| rows::text(&lines, rows).lines().map(str::to_owned).collect::<Vec<_>>();
+        let places = spaced(measured.len(), FIRST_ROWS);
+        if places.len() == measured.len() {
+            print_line!(session);
+            table(&measured).iter().for_each(|line| print_line!(session, "{line}"));
+            print_line!(session);
+            return Ok(answer.end(session, &written));
+        }
+        let some: Vec<MeasuredRow> = places.iter().map(|at| measured[*at].clone()).collect();
+        let adds = format!("the other {} rows", measured.len() - some.len());
+        Answer::begin_with_part(session, &table(&some), &adds);
+        table(&measured).iter().for_each(|line| print_line!(session, "{line}"));
         print_line!(session);
-        print_line!(session, "{}", rows::text(&lines, &measured).trim_end_matches('\n'));
-        print_line!(session);
-        print_line!(session, "{written}");
-        Ok(Answer::default().with("instruments", &report)?.files(&written))
+        Ok(answer.end(session, &written))
     }
 
     /// All instruments of a few, read before anything is measured, by labels that tell them apart.

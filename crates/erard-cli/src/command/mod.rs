@@ -13,6 +13,7 @@ mod draw;
 mod fit;
 mod fmu;
 mod hand;
+mod help;
 mod keyboard;
 mod kinematics;
 mod list;
@@ -51,6 +52,7 @@ use crate::inputs::clipped;
 use crate::printer::OutputMode;
 use crate::session::Session;
 use crate::signals;
+use crate::suggest;
 use crate::warn;
 
 /// Simulates the grand piano action: from a key press to the hammer's impact on the string.
@@ -61,6 +63,9 @@ pub(crate) struct Command {
     subcommand: Sub,
     #[command(flatten)]
     mode: OutputMode,
+    /// Print all of the answer, not its first lines only
+    #[arg(long, global = true)]
+    full: bool,
 }
 
 /// The version, with the commit where it is known.
@@ -71,46 +76,46 @@ pub fn version() -> String {
 
 #[derive(Debug, Subcommand)]
 enum Sub {
-    /// Simulates one key press and shows what happened.
+    /// Plays one note: what the finger feels, how fast the hammer arrives, and when.
     Press(Box<press::Press>),
-    /// Plays a MIDI file on the simulated keys of a keyboard, and says which notes are lost and why.
+    /// Plays a MIDI file on 88 simulated actions: which notes are lost, and why.
     Play(play::Play),
-    /// Plays a stream of sensed keys, and sends MIDI as the hammers meet the strings.
+    /// Turns a stream of sensed keys into MIDI, as simulated hammers would strike.
     Live(live::Live),
-    /// Writes what sensors under the keys read while a piece or misleading motions are played, and the true strikes.
+    /// Writes what sensors would read of known notes, to test your own algorithm.
     Scan(scan::Scan),
     /// Finds the stops of sensed keys: readings to millimetres, for `erard live`.
     Calibrate(calibrate::Calibrate),
     /// Draws the action in one pose, as SVG and PNG.
     Draw(Box<draw::Draw>),
-    /// Plays a stroke on many variants of an instrument: a parameter study.
+    /// Plays a note on many variants of an instrument, or ranks its parameters.
     Study(Box<study::Study>),
-    /// Measures an action as a technician does: weights, ratios, regulation, inertia, timing, repetition.
+    /// Weighs and measures an action as a technician does; what to turn (--sheet).
     Measure(measure::Measure),
-    /// Ranks what may be wrong with a key of your own piano, from whatever was measured of it.
+    /// Ranks what may be wrong with a key of your piano, from what you measured.
     Diagnose(Box<diagnose::Diagnose>),
-    /// Weighs the keys of a keyboard from bass to treble, or prints one key's instrument file.
+    /// Weighs the keys from bass to treble; balances the keys of a real piano.
     Keyboard(keyboard::Keyboard),
     /// Shows leverage and sliding over the key's travel, from the geometry alone.
     Kinematics(Box<kinematics::Kinematics>),
-    /// Turns the screws of an instrument until it meets a specification, and writes a new file.
+    /// Turns the screws of an instrument until it meets a specification.
     Regulate(Box<regulate::Regulate>),
     /// Compares an instrument with published measurements of real pianos.
     Validate(validate::Validate),
-    /// Measures recordings of single notes: decay of the level and of each partial, inharmonicity, centroid.
+    /// Measures recordings of notes: decay, partials, inharmonicity, centroid.
     #[cfg(feature = "listen")]
     Listen(listen::Listen),
     /// Checks a file of any kind that Erard reads, and shows its contents.
     Check(check::Check),
-    /// Compares a recording with the models.
+    /// Compares a recording of a real key with the models.
     Compare(compare::Compare),
     /// Fits parameters of an instrument to recordings, with error bars.
     Fit(Box<fit::Fit>),
     /// Exports an instrument for simulators, as an FMI 2.0 unit for co-simulation.
     Fmu(fmu::Fmu),
-    /// Opens the studio in the browser: press the key, turn the screws, compare two actions.
+    /// Opens the studio in the browser: press the key, turn the screws, compare.
     Studio(studio::Studio),
-    /// Lists the built-in instruments, keyboards, linkages and strokes, or prints one.
+    /// Lists what is built in: instruments, keyboards, linkages, strokes.
     List(list::List),
     /// Prints a script that completes `erard` commands in a shell.
     Completions(manual::Completions),
@@ -121,7 +126,8 @@ enum Sub {
 /// Runs the command line of this process. Exit codes: 0 done, 2 wrong input or usage, 130 interrupted, 1 anything else
 /// (goals of `regulate` that cannot be met and doubtful fits, among it).
 pub fn run() -> ExitCode {
-    run_program(&definition(), |command: &Command| command.mode, |command, session| command.subcommand.run(session))
+    let mode = |command: &Command| OutputMode { full: command.full, ..command.mode };
+    run_program(&definition(), mode, |command, session| command.subcommand.run(session))
 }
 
 impl Sub {
@@ -164,7 +170,7 @@ pub fn run_program<P: FromArgMatches>(
 ) -> ExitCode {
     let mut session = Session::new(OutputMode::default());
     signals::listen(session.stop.clone(), session.cleaner());
-    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let arguments = help::as_option(std::env::args_os().collect());
     let program = match definition.clone().try_get_matches_from(&arguments).and_then(|matches| {
         session.provenance.remember(&arguments, definition, &matches);
         P::from_arg_matches(&matches)
@@ -172,6 +178,7 @@ pub fn run_program<P: FromArgMatches>(
         Ok(program) => program,
         Err(mut error) => {
             let subcommand = arguments.iter().skip(1).filter_map(|one| one.to_str()).find(|one| !one.starts_with('-'));
+            suggest::complete(&mut error, definition);
             renamed::name_renamed(&mut error, subcommand);
             return usage(&mut session, &error, &arguments);
         }
@@ -236,9 +243,9 @@ fn print_error(session: &mut Session, message: &str, exit_code: u8) {
     print_json(session, &format!("{error:#}"));
 }
 
-/// The program's arguments, as they are read, told by `--help`, and listed in the book.
+/// The program's arguments, as they are read, printed by `--help` and `--help-all`, and listed in the book.
 pub fn definition() -> clap::Command {
-    out::with_default_folders(Command::command())
+    help::arranged(out::with_default_folders(Command::command()))
 }
 
 /// Help, the version, or what is wrong with the arguments.

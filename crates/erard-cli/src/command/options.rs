@@ -1,6 +1,6 @@
 //! Options that several commands share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use erard::instrument::{Instrument, InstrumentFile};
@@ -24,12 +24,16 @@ use crate::names::{Name, one_of};
 use crate::number::number;
 use crate::recordings::{Ready, RecordingOptions};
 use crate::session::Session;
+use crate::suggest::{german, near, quoted, what_it_is};
 use crate::warn;
 use erard_figures::drawing::ChangedNote;
 
 /// A key by number or note.
 pub(super) fn key(text: &str) -> Result<usize, String> {
-    key_named(text).ok_or_else(|| format!("expected {}", key::EXPECTED))
+    key_named(text).ok_or_else(|| {
+        let meant = german(text).map_or_else(String::new, |note| format!("; the German {text} is {note} here"));
+        format!("expected {}{meant}", key::EXPECTED)
+    })
 }
 
 /// What stays where two lines cannot both come right.
@@ -152,7 +156,15 @@ pub(crate) fn measured_lines(option: &str, keys: &[String]) -> Result<Vec<&'stat
     let find = |key: &String| {
         lines().find(|line| line.key == canonical_name(key)).ok_or_else(|| {
             let known: Vec<&str> = lines().map(|line| line.key).collect();
-            Failure::Usage(format!("{option} {key}: unknown quantity; expected one of {}", known.join(", ")))
+            let near = near(key, known.iter().copied());
+            Failure::Usage(if near.is_empty() {
+                format!("{option} {key}: unknown quantity; expected one of {}", known.join(", "))
+            } else {
+                format!(
+                    "{option} {key}: unknown quantity; did you mean {}? The measure.json of `erard measure` has all",
+                    quoted(&near)
+                )
+            })
         })
     };
     keys.iter().map(find).collect()
@@ -180,6 +192,15 @@ pub(crate) struct StrokeOptions {
     /// The option that gave the constant force, for messages
     #[arg(skip = "--force-step")]
     force_option: &'static str,
+}
+
+/// Refuses the name of something else in the place of a stroke file.
+fn refuse_name(path: &Path) -> Result<(), Failure> {
+    let name = path.to_string_lossy();
+    match what_it_is(&name).filter(|_| !path.exists()) {
+        Some(other) => Err(Failure::Usage(format!("{name}: there is no such stroke file; {other}"))),
+        None => Ok(()),
+    }
 }
 
 /// What is prescribed.
@@ -304,6 +325,7 @@ impl StrokeOptions {
         let mut notes = Vec::new();
         let (stroke, note) = match &self.file {
             Some(path) => {
+                refuse_name(path)?;
                 let Ready { name, prepared, position_of, .. } = self.recording.load(session, path)?;
                 notes = prepared.report.told();
                 session.provenance.prepared(&name, prepared.report.json());

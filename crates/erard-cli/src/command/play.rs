@@ -100,8 +100,7 @@ impl Play {
         output.text(session, "play.html", &page::html(&played))?;
         let written = output.commit(session)?;
         self.tell(session, &played);
-        print_line!(session, "{written}");
-        Ok(Answer::of(&summary)?.files(&written))
+        Ok(Answer::of(&summary)?.end(session, &written))
     }
 
     /// The points of the law, where they are one's own.

@@ -24,7 +24,7 @@ use crate::number::number;
 use crate::print_line;
 use crate::session::Session;
 use crate::spectrogram::spectrogram_picture;
-use crate::summary::{MEASURES, Measure, Summary, value};
+use crate::summary::{MEASURES, Measure, Summary, headlines, value};
 use crate::table::Table;
 use crate::warn;
 use erard_figures::figure::run_picture;
@@ -184,28 +184,37 @@ impl Press {
         };
         let written = output.commit(session)?;
         let mut answer = Answer::of(&summary.json)?.with("stroke", &stroke.title)?.with("hand", &described(&stroke))?;
+        if let Some((banded, _)) = &banded {
+            answer = answer.with("bands", &banded.rows)?.with("failed_samples", &banded.failed)?;
+        }
+        if let Some(report) = &lost {
+            answer = answer.with("losses", report)?;
+        }
+        if let Some((name, sound)) = &sound {
+            answer = answer.with("sound", &json!({"file": name, "peak_N": sound.peak_n()}))?;
+        }
 
         print_line!(session, "{} - {} ({driven})", run.instrument, stroke.title);
+        let adds = if banded.is_some() { "every instant with its band" } else { "every instant" };
+        let adds = format!("{adds}, the hand, the lift from the rail, the energy residual and the steps");
+        answer.begin(session, headlines, &adds);
         if let Some(hand) = described(&stroke) {
             print_line!(session, "hand: {hand}");
+            print_line!(session);
         }
-        print_line!(session);
         print_line!(session, "{summary}");
         if let Some(uncertainty) = &summary.force_uncertainty {
             print_line!(session, "{uncertainty}");
             print_line!(session);
         }
-        if let Some((banded, count)) = banded {
-            answer = answer.with("bands", &banded.rows)?.with("failed_samples", &banded.failed)?;
-            bands::lines(&banded.rows, count).iter().for_each(|line| print_line!(session, "{line}"));
+        if let Some((banded, count)) = &banded {
+            bands::lines(&banded.rows, *count).iter().for_each(|line| print_line!(session, "{line}"));
             print_line!(session);
         }
-        if let Some(report) = lost {
-            answer = answer.with("losses", &report)?;
+        if let Some(report) = &lost {
             print_line!(session, "{}", report.table());
         }
         if let Some((name, sound)) = &sound {
-            answer = answer.with("sound", &json!({"file": name, "peak_N": sound.peak_n()}))?;
             print_line!(
                 session,
                 "{name} is the force on the bridge, {:.2} N at most, without a soundboard; steps of 1/96000 s",
@@ -216,8 +225,7 @@ impl Press {
         for warning in &summary.warnings {
             warn!(session, "warning: this run cannot be trusted: {warning}");
         }
-        print_line!(session, "{written}");
-        Ok(answer.files(&written))
+        Ok(answer.end(session, &written))
     }
 
     /// What happened, with its bands over samples of the instrument.
@@ -323,6 +331,10 @@ impl Press {
         let Ok(played) = <[Played; 2]>::try_from(played) else { return Err(Failure::Internal("not two runs".into())) };
         let summary = press_pair::write(session, &played, &mut output)?;
         let written = output.commit(session)?;
+        let answer = Answer::of(&summary)?;
+        print_line!(session, "{}", press_pair::title(&played));
+        let adds = "every instant and the work of the finger";
+        Answer::begin_with_part(session, &press_pair::headlines(&played), adds);
         press_pair::tell(session, &played);
         for (one, name) in played.iter().zip(press_pair::names(&played)) {
             if let Some(uncertainty) = &one.summary.force_uncertainty {
@@ -332,8 +344,7 @@ impl Press {
                 warn!(session, "warning: {name}: this run cannot be trusted: {warning}");
             }
         }
-        print_line!(session, "{written}");
-        Ok(Answer::of(&summary)?.files(&written))
+        Ok(answer.end(session, &written))
     }
 }
 

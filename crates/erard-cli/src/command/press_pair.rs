@@ -45,7 +45,8 @@ pub(crate) fn names(played: &[Played<'_>; 2]) -> [String; 2] {
     }
 }
 
-fn title(played: &[Played<'_>; 2]) -> String {
+/// What is compared.
+pub(crate) fn title(played: &[Played<'_>; 2]) -> String {
     let ([a, b], names) = (played, names(played));
     let common = if a.stroke == b.stroke { &a.stroke } else { &a.run.instrument };
     format!("{} beside {}: {common}", names[0], names[1])
@@ -54,6 +55,9 @@ fn title(played: &[Played<'_>; 2]) -> String {
 fn json_of<'p>(played: &'p [Played<'_>; 2]) -> [&'p Value; 2] {
     [&played[0].summary.json, &played[1].summary.json]
 }
+
+/// The row of hammers that strike more than once.
+const IMPACTS: &str = "impacts on the string";
 
 /// Rows of name, first, second and second less first.
 fn rows(summaries: [&Value; 2]) -> Vec<(String, [String; 3])> {
@@ -75,7 +79,7 @@ fn rows(summaries: [&Value; 2]) -> Vec<(String, [String; 3])> {
         let [first, second] = impacts;
         let difference = i64::try_from(second).unwrap_or(0) - i64::try_from(first).unwrap_or(0);
         let difference = if difference == 0 { "0".to_owned() } else { format!("{difference:+}") };
-        rows.insert(0, ("impacts on the string".to_owned(), [first.to_string(), second.to_string(), difference]));
+        rows.insert(0, (IMPACTS.to_owned(), [first.to_string(), second.to_string(), difference]));
     }
     rows
 }
@@ -120,15 +124,27 @@ pub(crate) fn write(session: &Session, played: &[Played<'_>; 2], output: &mut Ou
     Ok(both)
 }
 
+/// Measures that most users compare, by their keys in the summary.
+const FIRST: [&str; 5] = ["hammer_speed_m_per_s", "hammer_contact_s", "free_flight_s", "key_bottom_s", "peak_force_N"];
+
+/// The first lines: a table of the measures that most users compare.
+pub(crate) fn headlines(played: &[Played<'_>; 2]) -> Vec<String> {
+    let is_first =
+        |name: &str| MEASURES.iter().any(|(key, own, ..)| FIRST.contains(key) && *own == name) || name == IMPACTS;
+    let rows = rows(json_of(played)).into_iter().filter(|(name, _)| is_first(name)).collect();
+    table(played, rows).lines().map(str::to_owned).collect()
+}
+
+fn table(played: &[Played<'_>; 2], rows: Vec<(String, [String; 3])>) -> String {
+    let rows = rows.into_iter().map(|(name, cells)| [vec![name], cells.to_vec()].concat());
+    let heads = [String::new()].into_iter().chain(names(played)).chain(["difference".to_owned()]);
+    Table::of(heads, rows).to_string()
+}
+
 /// Prints the table of differences.
 pub(crate) fn tell(session: &mut Session, played: &[Played<'_>; 2]) {
-    let names = names(played);
-    print_line!(session, "{}", title(played));
-    print_line!(session);
-    let rows = rows(json_of(played)).into_iter().map(|(name, cells)| [vec![name], cells.to_vec()].concat());
-    let heads = [String::new()].into_iter().chain(names.clone()).chain(["difference".to_owned()]);
-    print_line!(session, "{}", Table::of(heads, rows));
-    for (name, count) in names.iter().zip(impacts(json_of(played))).filter(|(_, count)| *count > 1) {
+    print_line!(session, "{}", table(played, rows(json_of(played))));
+    for (name, count) in names(played).iter().zip(impacts(json_of(played))).filter(|(_, count)| *count > 1) {
         print_line!(session, "  {name}: the hammer strikes {count} times.");
     }
 }

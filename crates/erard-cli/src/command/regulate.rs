@@ -14,6 +14,7 @@ use erard_workshop::regulate::{
     Goal, RegulateError, Regulated, Specification, Status, disturbed, needed, parse_value, regulate, regulate_following,
 };
 use erard_workshop::worklist::{is_usual_aftertouch, regulate_to_aftertouch};
+use serde_json::Value;
 
 use super::options::{RestBefore, Stays};
 use super::out::OwnFile;
@@ -187,6 +188,13 @@ impl Regulate {
         output.json(session, &report_name, &report)?;
         let written = output.commit(session)?;
 
+        let answer = Answer::of(&report)?;
+        print_line!(session, "{}", instrument.name);
+        answer.begin(
+            session,
+            |answer| headlines(answer, &regulated, self.lengths),
+            "every distance before and after, and how many simulations it took",
+        );
         print_line!(
             session,
             "{} - regulated in {} {}, {} simulations, {:.1} s",
@@ -228,8 +236,7 @@ impl Regulate {
             }
             None => {}
         }
-        print_line!(session, "{written}");
-        let answer = Answer::of(&report)?.files(&written);
+        let answer = answer.end(session, &written);
         let unsettled = settled.as_ref().filter(|settled| !settled.is_settled);
         let unsettled = unsettled.map(|settled| {
             let [dip, blow] = [Goal::Dip, Goal::Blow].map(|goal| {
@@ -264,6 +271,34 @@ impl Regulate {
         }
         Ok(Some(specification).filter(|specification| !specification.is_empty()))
     }
+}
+
+/// The first lines: which screws were turned and how far, and whether every goal is met.
+fn headlines(answer: &Value, regulated: &Regulated, lengths: Lengths) -> Vec<String> {
+    if regulated.turned.is_empty() {
+        let goals = answer["goals"].as_array().map_or(0, Vec::len);
+        return vec![if goals == 0 {
+            NOTHING_TO_TURN.to_owned()
+        } else {
+            "Every goal is met as it is: nothing was turned.".to_owned()
+        }];
+    }
+    let mut lines = vec![if answer["all_met"] == true {
+        "Every goal is met. Turned:".to_owned()
+    } else {
+        "Not every goal is met. Turned:".to_owned()
+    }];
+    for achieved in &regulated.achieved {
+        let shown =
+            |value: Option<f64>| value.map_or("none".to_owned(), |value| shown_value(achieved.goal, value, lengths));
+        let screws: Vec<String> =
+            regulated.screws_of(achieved.goal).map(|turned| turned_text(turned, lengths)).collect();
+        if !screws.is_empty() {
+            let (before, after) = (shown(achieved.before), shown(achieved.after));
+            lines.push(format!("  {}: {before} to {after}: {}", achieved.goal.name(), screws.join(", ")));
+        }
+    }
+    lines
 }
 
 /// What the regulation moved though nobody asked, and how it comes back.

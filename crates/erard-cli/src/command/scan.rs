@@ -24,6 +24,7 @@ use crate::number::{Values, between, list, whole};
 use crate::print_line;
 use crate::scan::{Scanned, report};
 use crate::session::Session;
+use crate::suggest::meant;
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/scan.txt");
@@ -90,7 +91,8 @@ fn cases(text: &str) -> Result<Cases, String> {
     let named = |name: &str| Case::ALL.into_iter().find(|case| case.name() == name);
     let unknown = text.split(',').find(|name| *name != "all" && named(name).is_none());
     if let Some(name) = unknown {
-        return Err(format!("found `{name}`; expected `all` or names with commas out of {}", known()));
+        let meant = meant(name, Case::ALL.map(Case::name));
+        return Err(format!("found `{name}`; expected `all` or names with commas out of {}{meant}", known()));
     }
     let is_asked = |case: &Case| text.split(',').any(|name| name == "all" || name == case.name());
     Ok(Cases(Case::ALL.into_iter().filter(is_asked).collect()))
@@ -160,8 +162,7 @@ impl Scan {
         output.json(session, "scan.json", &report)?;
         let written = output.commit(session)?;
         print_line!(session, "{}", report::text(&scanned));
-        print_line!(session, "{written}");
-        Ok(Answer::of(&report)?.files(&written))
+        Ok(Answer::of(&report)?.end(session, &written))
     }
 
     /// All sensors that are asked for.

@@ -183,7 +183,15 @@ pub(super) fn run(
     let written = output.commit(session)?;
 
     print_line!(session, "{} compared with a recorded grand, note by note", report.instrument);
-    print_line!(session);
+    let answer = Answer::of(&report)?;
+    let first: Vec<String> = match &report.verdicts[..] {
+        [] => printed(&rows).to_string(),
+        verdicts => printed_verdicts(verdicts).to_string(),
+    }
+    .lines()
+    .map(str::to_owned)
+    .collect();
+    Answer::begin_with_part(session, &first, "every note beside the recorded one: decay, inharmonicity, centroid");
     print_line!(session, "{}", printed(&rows));
     if !report.verdicts.is_empty() {
         print_line!(session, "{}", printed_verdicts(&report.verdicts));
@@ -191,8 +199,7 @@ pub(super) fn run(
     print_line!(session, "  Pairs are modelled/recorded. A force on the bridge is compared with microphones");
     print_line!(session, "  over another piano: look at rates and trends, not at levels. sound.csv has more.");
     print_line!(session);
-    print_line!(session, "{written}");
-    let answer = Answer::of(&report)?.files(&written);
+    let answer = answer.end(session, &written);
     Ok(match report.missed {
         missed if missed > 0 && fail_on_miss => answer.short_of(Some(format!("{missed} judged rows missed"))),
         _ => answer,

@@ -20,8 +20,8 @@ use crate::number::number;
 use crate::print_line;
 use crate::session::Session;
 use crate::study::sensitivities as sensitive;
-use crate::study::{figure, shown, table_of};
-use crate::table::Table;
+use crate::study::{crossed, figure, shown, table_of};
+use crate::table::{Table, spaced};
 use crate::warn;
 
 /// Text below the options.
@@ -65,9 +65,10 @@ pub(crate) struct Study {
     /// With --measure: how each variant comes to rest before it is measured. Strokes start as drawn
     #[arg(long, value_name = "REST", value_enum, default_value = "as-played", requires = "measure")]
     measured_rest: RestBefore,
-    /// Rows of the printed table, evenly spaced from the first to the last; `all` prints every row
-    #[arg(long, value_name = "N|all", default_value = "15", value_parser = rows_shown)]
-    rows: usize,
+    /// Rows of the printed table, evenly spaced from the first to the last; `all` prints every row [default: 12, or 7
+    /// of more; with --full all]
+    #[arg(long, value_name = "N|all", value_parser = rows_shown)]
+    rows: Option<usize>,
     #[command(flatten)]
     stroke: StrokeOptions,
     #[command(flatten)]
@@ -197,34 +198,56 @@ impl Study {
             [(impacts(|count| count == 0), "without an impact"), (impacts(|count| count > 1), "with several impacts")];
         let counted = counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("; {count} {what}"));
         print_line!(session, "{} strokes; {failed} failed{}", rows.len(), counted.collect::<String>());
-        print_line!(session);
-        print_line!(session, "{}", shown(&axes, &measures, &rows, self.rows).to_string().trim_end_matches('\n'));
-        if rows.len() > self.rows {
+        let table_lines = |most: usize| {
+            let text = shown(&axes, &measures, &rows, most).to_string();
+            let mut lines: Vec<String> = text.trim_end_matches('\n').lines().map(str::to_owned).collect();
+            if rows.len() > most {
+                lines.push(format!(
+                    "{most} of {} rows; --rows all prints every one, and study.csv holds them",
+                    rows.len()
+                ));
+            }
+            lines
+        };
+        // The whole grid where it fits, else two axes across each other.
+        let first = match self.rows {
+            None if rows.len() > WHOLE => crossed(&axes, &measures, &rows),
+            _ => None,
+        };
+        let mut first = first
+            .unwrap_or_else(|| table_lines(self.rows.unwrap_or(if rows.len() > WHOLE { FIRST_ROWS } else { WHOLE })));
+        let is_whole = first.len() > rows.len() && banded.is_none();
+        if is_whole {
             print_line!(session);
-            print_line!(
-                session,
-                "{} of {} rows; --rows all prints every one, and study.csv holds them",
-                self.rows,
-                rows.len()
-            );
-        }
-        if let Some((found, count)) = &banded {
-            let shown = &found.rows[..found.rows.len().min(self.rows.saturating_mul(SHOWN_BANDS))];
-            print_line!(session);
-            bands::lines(shown, *count).iter().for_each(|line| print_line!(session, "{line}"));
+            first.iter().for_each(|line| print_line!(session, "{line}"));
+        } else {
+            let bands = if banded.is_some() { ", and the bands of all results" } else { "" };
+            let adds = format!("all {} rows with every instant{bands}", rows.len());
+            if let Some((found, count)) = &banded {
+                let speeds: Vec<&BandRow> = found.rows.iter().filter(|row| row.name.ends_with(SPEED)).collect();
+                let some: Vec<BandRow> =
+                    spaced(speeds.len(), FIRST_BANDS).iter().map(|at| speeds[*at].clone()).collect();
+                first.push(String::new());
+                first.extend(bands::lines(&some, *count));
+            }
+            Answer::begin_with_part(session, &first, &adds);
+            table_lines(self.rows.unwrap_or(usize::MAX)).iter().for_each(|line| print_line!(session, "{line}"));
+            if let Some((found, count)) = &banded {
+                print_line!(session);
+                bands::lines(&found.rows, *count).iter().for_each(|line| print_line!(session, "{line}"));
+            }
         }
         let doubts = doubts(rows.iter().map(|row| &row.outcome));
         for doubt in &doubts {
             warn!(session, "warning: this result cannot be trusted: {doubt}");
         }
         print_line!(session);
-        print_line!(session, "{written}");
         let answer = Answer::table(session, Some(&table)).with("instrument", &instrument.name)?;
         let mut answer = answer.with("stroke", &stroke.title)?.with("warnings", &doubts)?;
         if let Some((found, _)) = &banded {
             answer = answer.with("failed_samples", &found.failed)?;
         }
-        Ok(answer.files(&written))
+        Ok(answer.end(session, &written))
     }
 
     /// The values of every row, row by row, with their bands over samples of the instrument: the same study of each.
@@ -293,9 +316,15 @@ impl Study {
         output.figure(session, "sensitivities", &sensitive::figure(&found, &title))?;
         let written = output.commit(session)?;
 
+        let answer = Answer::of(&report)?;
         print_line!(session, "{title}");
-        print_line!(session);
-        for line in sensitive::lines(&found, self.rows) {
+        let first = match self.rows {
+            Some(rows) => sensitive::lines(&found, rows),
+            None => sensitive::first(&found),
+        };
+        let adds = "more parameters of each result, their spreads, and how the derivatives agree with differences";
+        Answer::begin_with_part(session, &first, adds);
+        for line in sensitive::lines(&found, self.rows.unwrap_or(FULL_ROWS)) {
             print_line!(session, "{line}");
         }
         print_line!(session);
@@ -303,8 +332,7 @@ impl Study {
         if switches > 0 {
             print_line!(session, "{switches} switches of friction during the stroke, {unresolved} of them unresolved");
         }
-        print_line!(session, "{written}");
-        Ok(Answer::of(&report)?.files(&written))
+        Ok(answer.end(session, &written))
     }
 
     /// The touch whose hand is found for each variant: where that was asked for, and where keys are varied.
@@ -366,8 +394,16 @@ impl Study {
     }
 }
 
-/// Bands are printed of so many results for each printed row, at most.
-const SHOWN_BANDS: usize = 12;
+/// A longer table is printed with `--full` only.
+const WHOLE: usize = 12;
+/// Rows of a longer one that are printed first, where it is not two axes across each other.
+const FIRST_ROWS: usize = 7;
+/// Bands of the hammer's speed that are printed first.
+const FIRST_BANDS: usize = 5;
+/// The result that has them.
+const SPEED: &str = "hammer_speed_m_per_s";
+/// Rows of each result's sensitivities with `--full`.
+const FULL_ROWS: usize = 15;
 
 /// Either end of a band.
 type BandEnd = fn(&BandRow) -> Option<f64>;

@@ -21,6 +21,7 @@ use erard_workshop::validate::{
     BesideGrands, Drive, GroupResult, Published, PublishedRow, SimulatedPress, Tally, Validation, Verdict, validate,
 };
 use serde::Serialize;
+use serde_json::Value;
 
 /// Text below the options.
 const AFTER: &str = include_str!("help/validate.txt");
@@ -116,8 +117,17 @@ impl Validate {
         output.figure(session, "order-of-events", &picture)?;
         let written = output.commit(session)?;
 
+        let mut answer = Answer::of(&report)?;
+        if let Some(bands) = &bands {
+            answer = answer.with("failed_samples", &bands.failed)?;
+        }
         print_line!(session, "{} compared with measured pianos", validation.instrument);
-        print_line!(session);
+        answer.begin(
+            session,
+            headlines,
+            "every row with its published range and the likely reason of a miss, the groups, and the timing beside three \
+             grands",
+        );
         print_line!(
             session,
             "Predicted: {} of {} rows met; {} of {} groups without a miss. Set: {} of {} met.",
@@ -140,11 +150,7 @@ impl Validate {
         print_groups(session, &report.groups);
         print_table(session, &report.rows);
         print_grands(session, &report.grands);
-        print_line!(session, "{written}");
-        let mut answer = Answer::of(&report)?.files(&written);
-        if let Some(bands) = &bands {
-            answer = answer.with("failed_samples", &bands.failed)?;
-        }
+        let answer = answer.end(session, &written);
         match report.missed {
             missed if missed > 0 && self.fail_on_miss => {
                 let names: Vec<&str> = report
@@ -158,6 +164,50 @@ impl Validate {
             _ => Ok(answer),
         }
     }
+}
+
+/// Rows that are farthest out, in the first lines.
+const WORST: usize = 3;
+
+/// The first lines: how many published values are met, in which groups not, and what is farthest out.
+fn headlines(answer: &Value) -> Vec<String> {
+    let tally = |of: &Value| [&of["met"], &of["judged"]].map(|count| count.as_u64().unwrap_or(0));
+    let ([met, judged], [set_met, set]) = (tally(&answer["predicted"]), tally(&answer["set"]));
+    let mut lines = vec![
+        format!("Of {judged} published values that nothing was set to, {met} lie in their range."),
+        format!("Of {set} values that it was built or regulated to, {set_met} do."),
+    ];
+    let missed = answer["groups"].as_array().into_iter().flatten().filter_map(|group| {
+        let [met, judged] = tally(&group["predicted"]);
+        (met < judged).then(|| format!("{} {met} of {judged}", group["title"].as_str().unwrap_or_default()))
+    });
+    let missed: Vec<String> = missed.collect();
+    lines.push(match missed.len() {
+        0 => "No group has a miss.".to_owned(),
+        _ => format!("Groups with a miss: {}.", missed.join(", ")),
+    });
+    if let Some(undecided) = answer["undecided"].as_u64().filter(|count| *count > 0) {
+        lines.push(format!("{undecided} cannot be judged: their bands are wider than the published ranges."));
+    }
+    // By how many widths of its range.
+    let width = |row: &Value| row["at_most"].as_f64().zip(row["at_least"].as_f64()).map(|(high, low)| high - low);
+    let far = |row: &Value| Some(row["missed_by"].as_f64()?.abs() / width(row).filter(|width| *width > 0.0)?);
+    let rows = answer["rows"].as_array().into_iter().flatten();
+    let mut out: Vec<(f64, &Value)> = rows.filter_map(|row| Some((far(row)?, row))).collect();
+    out.sort_by(|a, b| b.0.total_cmp(&a.0));
+    if !out.is_empty() {
+        lines.push("Farthest out, in widths of the range:".to_owned());
+    }
+    for (_, row) in out.iter().take(WORST) {
+        let text = |key: &str| row[key].as_str().unwrap_or_default();
+        let number = |key: &str| row[key].as_f64().unwrap_or(f64::NAN);
+        let band = row["band_low"].as_f64().zip(row["band_high"].as_f64());
+        let band = band.map_or_else(String::new, |(low, high)| format!(" ({} to {})", three(low), three(high)));
+        let (found, unit) = (three(number("simulated")), text("unit"));
+        let range = format!("{} to {}", number("at_least"), number("at_most"));
+        lines.push(format!("  {}: {found}{band} {unit}, published {range}", text("quantity")).replace(" ,", ","));
+    }
+    lines
 }
 
 /// A row of the table with its verdict, as it is written and printed.

@@ -6,11 +6,13 @@ use std::path::Path;
 use clap::Args;
 use erard::instrument::Instrument;
 use erard::instrument::utf8;
+use erard::key::note_name;
 use erard::keyboard::{KEYS, Keyboard};
 use erard_workshop::balance::{BalancedKey, KeyModel, LEADS_G, check, read, unused_columns};
 use erard_workshop::cores;
 use erard_workshop::measure::MeasureError;
 use erard_workshop::worklist::{KeyboardGoal, KeyboardList, SECTION_ENDS, carry_out, keyboard_list};
+use serde_json::Value;
 
 use super::options::key;
 use super::out::OutOptions;
@@ -143,8 +145,10 @@ impl WeighOptions {
         if !unused.is_empty() {
             print_line!(session, "  Columns that were not used: {}", unused.join(", "));
         }
-        print_line!(session);
-        print_line!(session, "{}", text(&work).trim_end_matches('\n'));
+        let answer = Answer::of(&report)?;
+        let all = text(&work);
+        answer.begin(session, headlines, "what was weighed key by key, and the list; weigh.html is the list to print");
+        print_line!(session, "{}", all.trim_end_matches('\n'));
         print_line!(session);
         if let Some(keys) = weighed_again.as_ref().filter(|_| !list.lines.is_empty()) {
             print_line!(session, "  The list carried out on copies of these keys, weighed again:");
@@ -152,8 +156,7 @@ impl WeighOptions {
             print_line!(session, "{}", again_text(&work, keys).trim_end_matches('\n'));
             print_line!(session);
         }
-        print_line!(session, "{written}");
-        Ok(Answer::of(&report)?.files(&written))
+        Ok(answer.end(session, &written))
     }
 
     fn goal(&self) -> Result<KeyboardGoal, Failure> {
@@ -202,6 +205,57 @@ impl WeighOptions {
             None => Ok(leads),
         }
     }
+}
+
+/// Why keys wait, as the answer has it, and in words.
+const WAITS: [(&str, &str); 3] = [
+    ("leverage_first", "Wait for the leverage"),
+    ("friction_first", "Wait for the friction"),
+    ("front_weight_ceiling", "Have no room for more lead"),
+];
+
+/// The note of a key in the answer.
+fn note(key: &Value) -> Option<String> {
+    key.as_u64().and_then(|key| usize::try_from(key).ok()).map(note_name)
+}
+
+/// Keys of an operation that are named first.
+const NAMED: usize = 8;
+
+/// The first lines: on which keys each operation is due.
+fn headlines(answer: &Value) -> Vec<String> {
+    let mut operations: Vec<(&str, Vec<String>)> = Vec::new();
+    for line in answer["work"].as_array().into_iter().flatten() {
+        let operation = line["operation"].as_str().unwrap_or_default();
+        let key = note(&line["key"]).unwrap_or_default();
+        match operations.iter_mut().find(|(own, _)| *own == operation) {
+            Some((_, keys)) if keys.contains(&key) => {}
+            Some((_, keys)) => keys.push(key),
+            None => operations.push((operation, vec![key])),
+        }
+    }
+    let named = |keys: &[String]| {
+        let more = if keys.len() > NAMED { format!(" and {} more", keys.len() - NAMED) } else { String::new() };
+        format!("{}{more}", keys.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", "))
+    };
+    let mut lines = Vec::new();
+    if !answer["leverage"].is_null() {
+        lines.push("Leverage first: the ratio of most keys is out on the same side, so the cause is one.".to_owned());
+    }
+    for (why, told) in WAITS {
+        let waits = answer["waits"].as_array().into_iter().flatten().filter(|one| one["why"] == why);
+        let keys: Vec<String> = waits.filter_map(|one| note(&one["key"])).collect();
+        if !keys.is_empty() {
+            lines.push(format!("{told}: {}.", named(&keys)));
+        }
+    }
+    if !operations.is_empty() {
+        lines.push("To do, in this order:".to_owned());
+        lines.extend(operations.iter().map(|(operation, keys)| format!("  {operation}: {}", named(keys))));
+    } else if lines.is_empty() {
+        lines.push("To do: nothing.".to_owned());
+    }
+    lines
 }
 
 /// So many keys that leads would do something to, spread over those that were weighed.

@@ -4,7 +4,7 @@ mod page;
 mod words;
 
 pub(crate) use page::html;
-pub(crate) use words::{table, text};
+pub(crate) use words::{headlines, table, text, title};
 
 use erard_workshop::diagnose::Diagnosis;
 

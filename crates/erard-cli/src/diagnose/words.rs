@@ -8,6 +8,7 @@ use erard_workshop::diagnose::{
 };
 use erard_workshop::digits::{plain, signed};
 use erard_workshop::worklist::SECTION_ENDS;
+use serde_json::Value;
 
 use super::Work;
 use crate::table::{Table, USUAL, wrapped};
@@ -104,7 +105,86 @@ pub(super) fn geometry(diagnosis: &Diagnosis) -> Vec<String> {
     lines
 }
 
-/// The answers for people.
+/// What is diagnosed.
+pub(crate) fn title(work: &Work<'_>) -> String {
+    match work.found {
+        [one] => format!("{} - diagnosis of your readings", key(one)),
+        found => {
+            let ill = found.iter().filter(|one| one.is_work()).count();
+            format!("{} - {} keys, {ill} of them with work", work.file.unwrap_or(""), found.len())
+        }
+    }
+}
+
+/// Keys with work that are named first.
+const FIRST_KEYS: usize = 6;
+
+/// The first lines: what is out, which causes come first, and what to measure next.
+pub(crate) fn headlines(answer: &Value) -> Vec<String> {
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
+    let keys = list(&answer["keys"]);
+    let out_of_range = |key: &Value| {
+        let readings = list(&key["readings"]);
+        let out = readings.iter().filter(|reading| reading["standing"] == "out");
+        let one = |reading: &Value| {
+            let decimals = reading["decimals"].as_u64().and_then(|n| usize::try_from(n).ok()).unwrap_or(1);
+            let label = text(&reading["label"]);
+            let label = label.split(" (").next().unwrap_or_default().to_owned();
+            let value = reading["value"].as_f64().map_or("none".to_owned(), |value| plain(value, decimals));
+            format!("{label} {value} {}", text(&reading["unit"])).trim_end().to_owned()
+        };
+        out.map(one).collect::<Vec<_>>().join(", ")
+    };
+    let cause =
+        |cause: &Value| format!("{}, {}", text(&cause["name"]), percent(cause["probability"].as_f64().unwrap_or(0.0)));
+    let mut lines = Vec::new();
+    if let [one] = &keys[..] {
+        let out = out_of_range(one);
+        if !out.is_empty() {
+            lines.push(format!("Out of range: {out}."));
+        }
+        let causes = list(&one["causes"]);
+        let verdict = text(&one["verdict"]);
+        let stop = if causes.is_empty() && !verdict.ends_with('.') { "." } else { "" };
+        let stop = if causes.is_empty() { stop } else { ":" };
+        lines.push(format!("{verdict}{stop}"));
+        lines.extend(
+            (1..).zip(&causes).map(|(at, one)| format!("  {at}. {}; test: {}", cause(one), text(&one["test"]))),
+        );
+        if let Some(open) = one["open_question"].as_str().filter(|open| *open != verdict) {
+            lines.push(format!("{open}."));
+        }
+        if let Some(next) = one["measure_next"].as_object() {
+            lines.push(format!("Measure next: {} ({}).", text(&next["label"]), text(&next["how"])));
+        }
+        if answer["is_key_assumed"] == true {
+            let key = format!("{} (key {})", text(&one["note"]), one["key"]);
+            lines.push(format!("No key was named: usual ranges are those of {key}. Name yours with --key."));
+        }
+        return lines;
+    }
+    let common = list(&answer["common"]);
+    for one in &common {
+        let count = |value: &Value| value.as_array().map_or_else(|| value.to_string(), |all| all.len().to_string());
+        let (keys, of) = (count(&one["keys"]), count(&one["of"]));
+        lines.push(format!(
+            "{keys} of {of} keys with work say the same, so that the cause is one: {}.",
+            text(&one["name"])
+        ));
+    }
+    let ill: Vec<&Value> = keys.iter().filter(|key| key["is_work"] == true).collect();
+    for key in ill.iter().take(FIRST_KEYS) {
+        let first = list(&key["causes"]).first().map_or_else(|| "undecided".to_owned(), cause);
+        lines.push(format!("{} (key {}): {}; {first}", text(&key["note"]), key["key"], out_of_range(key)));
+    }
+    if ill.len() > FIRST_KEYS {
+        lines.push(format!("and {} more keys", ill.len() - FIRST_KEYS));
+    }
+    lines
+}
+
+/// The answers for people, below their title.
 pub(crate) fn text(work: &Work<'_>) -> String {
     let mut out = match work.found {
         [one] => of_one(one, work.lengths),
@@ -124,7 +204,7 @@ fn line(out: &mut String, indent: usize, text: &str) {
 }
 
 fn of_one(one: &Diagnosis, lengths: Lengths) -> String {
-    let mut out = format!("{} - diagnosis of your readings\n\n", key(one));
+    let mut out = String::new();
     let rows = one.lines.iter().map(|line| {
         [
             line.label.to_owned(),
@@ -251,8 +331,7 @@ pub(super) fn rows(work: &Work<'_>) -> Vec<[String; 6]> {
 }
 
 fn of_many(found: &[Diagnosis], work: &Work<'_>) -> String {
-    let ill = found.iter().filter(|one| one.is_work()).count();
-    let mut out = format!("{} - {} keys, {ill} of them with work\n\n", work.file.unwrap_or(""), found.len());
+    let mut out = String::new();
     for common in common(found, &SECTION_ENDS) {
         line(&mut out, 2, &common.sentence());
         let _ = writeln!(out);

@@ -7,5 +7,5 @@ mod values;
 
 pub(crate) use figure::figure;
 pub(crate) use report::report;
-pub(crate) use table::{lines, table};
+pub(crate) use table::{headlines, lines, table};
 pub(crate) use values::{bounds, column, value};

@@ -23,20 +23,39 @@ fn shown(x: f64, decimals: Option<usize>) -> String {
     }
 }
 
-/// The report, line by line: doubts first.
-pub(crate) fn lines(found: &FitResult, problem: &Problem, instrument: &str) -> Vec<String> {
-    let names: Vec<&str> = problem.recordings().iter().map(|one| one.name.as_str()).collect();
+/// The first lines: doubts, then each parameter with its error.
+pub(crate) fn headlines(found: &FitResult) -> Vec<String> {
+    let mut lines: Vec<String> = found.doubts.iter().map(|doubt| format!("Doubtful: {}.", doubt.text)).collect();
+    for (k, (one, value, std)) in found.values().enumerate() {
+        let (by, unit) = one.shown_unit();
+        let places = decimals(value * by, if std.is_nan() { 1e-3 * (value * by).abs() } else { std * by });
+        let number = |x: f64| shown(x * by, places);
+        let half = one.si_error(found.x[k], found.half_width_95[k]);
+        let error = if half.is_finite() {
+            format!(" ({} to {}, 95 %)", number(value - half), number(value + half))
+        } else {
+            ", without an error bar".to_owned()
+        };
+        let line = format!("{} {} {unit}{error}; it was {} {unit}", one.name, number(value), number(one.value));
+        lines.push(line.replace("  ", " ").replace(" ;", ";").trim_end().to_owned());
+    }
+    lines.push(match found.chi2() {
+        Some((reduced, expected)) => {
+            format!("Reduced chi2 {reduced:.3}; the noise of sensors and drive explains {expected:.3}.")
+        }
+        None => "Reduced chi2 is no test here: the noise is estimated from the residuals.".to_owned(),
+    });
+    lines
+}
+
+/// The rest of the report, line by line.
+pub(crate) fn lines(found: &FitResult, problem: &Problem) -> Vec<String> {
     let with = if found.differentiated > 0 {
         format!(" and {} with derivatives", found.differentiated)
     } else {
         String::new()
     };
-    let mut lines: Vec<String> = found.doubts.iter().map(|doubt| format!("Doubtful: {}.", doubt.text)).collect();
-    if !lines.is_empty() {
-        lines.push(String::new());
-    }
-    lines.extend([
-        format!("{instrument} fitted to {}", names.join(", ")),
+    let mut lines = Vec::from([
         format!("  {} samples, {} strokes played{with}; {}", found.residuals.len(), found.evaluations, found.message),
         match found.chi2() {
             Some((reduced, expected)) => {

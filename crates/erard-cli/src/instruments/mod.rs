@@ -11,6 +11,7 @@ use erard_figures::drawing::ChangedNote;
 
 use crate::failure::Failure;
 use crate::session::Session;
+use crate::suggest::meant;
 pub(crate) use sampled::{Samples, not_one_sample};
 use sampled::{Source, failed};
 
@@ -76,7 +77,8 @@ fn builtin_instrument(session: &mut Session, name: &str) -> Result<(Instrument, 
 /// What was asked for by a name that nothing has.
 pub(crate) fn not_found<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str>) -> Failure {
     let known: Vec<&str> = known.collect();
-    Failure::Usage(format!("there is no file and no built-in {what} `{name}` (built in: {})", known.join(", ")))
+    let meant = meant(name, known.iter().copied());
+    Failure::Usage(format!("there is no file and no built-in {what} `{name}` (built in: {}){meant}", known.join(", ")))
 }
 
 /// A key of a keyboard.

@@ -3,6 +3,8 @@
 use erard::parameter::{Bare, Quantity};
 use erard_kinematics::three_lever::Move;
 
+use crate::suggest::meant;
+
 /// Name of the case in which nothing is moved.
 pub(crate) const UNMOVED: &str = "unmoved";
 /// Display name of this case.
@@ -53,7 +55,8 @@ pub(crate) fn parse(text: &str) -> Result<MoveOption, String> {
         let (part, distance) = (part.trim(), distance.trim());
         let (name, make) = PARTS.into_iter().find(|(name, _)| *name == part).ok_or_else(|| {
             let known: Vec<&str> = PARTS.iter().map(|(name, _)| *name).collect();
-            format!("unknown part `{part}`; expected one of {}", known.join(", "))
+            let meant = meant(part, known.iter().copied());
+            format!("unknown part `{part}`; expected one of {}{meant}", known.join(", "))
         })?;
         let metres = Quantity::Length.read(distance, Bare::Refused).map_err(|error| format!("`{part}`: {error}"))?;
         // As a person would write it.

@@ -115,18 +115,48 @@ impl Summary {
     }
 }
 
-impl fmt::Display for Summary {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let json = &self.json;
+/// The rows that are printed first.
+const FIRST: [Number; 4] = [
+    ("leverage at rest", "/leverage/start/leverage", ratio),
+    ("leverage at let-off", "/leverage/let_off/leverage", ratio),
+    ("key at let-off", "/leverage/let_off/key_mm", fine),
+    ("knuckle sliding, at most", "/knuckle_sliding_mm", fine),
+];
+
+impl Summary {
+    /// The first lines: leverage, let-off and sliding, and how well a slow press agrees.
+    pub(crate) fn headlines(&self, answer: &Value) -> Vec<String> {
+        let mut lines: Vec<String> = self.table(&FIRST).to_string().lines().map(str::to_owned).collect();
+        lines.extend(agreement(answer));
+        lines
+    }
+
+    fn table(&self, rows: &[Number]) -> Table<'static> {
         let is_one = self.labels.len() == 1;
-        let heads = self.labels.iter().map(|label| if is_one { "" } else { label.as_str() });
-        let cases: Vec<&Value> = json["cases"].as_array().into_iter().flatten().collect();
-        let rows = ROWS.iter().map(|(name, pointer, shown)| {
+        let heads = self.labels.iter().map(|label| if is_one { String::new() } else { label.clone() });
+        let cases: Vec<&Value> = self.json["cases"].as_array().into_iter().flatten().collect();
+        let rows = rows.iter().map(|(name, pointer, shown)| {
             let number = |case: &&Value| case.pointer(pointer).and_then(Value::as_f64);
             let cells = cases.iter().map(|case| number(case).map_or("-".to_owned(), shown));
             std::iter::once((*name).to_owned()).chain(cells).collect::<Vec<_>>()
         });
-        writeln!(f, "{}", Table::of([""].into_iter().chain(heads), rows))?;
+        Table::of([String::new()].into_iter().chain(heads).collect::<Vec<_>>(), rows.collect::<Vec<_>>())
+    }
+}
+
+/// How well a slow press of the dynamic model agrees.
+fn agreement(answer: &Value) -> Option<String> {
+    let of = |key: &str| answer["dynamics"][key].as_f64();
+    let (worst, from, to) = (of("largest_deviation")?, of("from_key_mm")?, of("to_key_mm")?);
+    let within = format!("within {:.1} % from key {from:.1} to {to:.1} mm", worst * 100.0);
+    Some(format!("  A slow press of the dynamic model has the same leverage {within}."))
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let json = &self.json;
+        let is_one = self.labels.len() == 1;
+        writeln!(f, "{}", self.table(&ROWS))?;
         writeln!(f, "  Let-off: {}.", json["let_off_is"].as_str().unwrap_or("not known"))?;
         if !is_one {
             let how = if json["regulated"] == true {
@@ -146,12 +176,8 @@ impl fmt::Display for Summary {
                 "    L7 to L9 are exact (centre of the knuckle); L2 to L4 assume that the capstan touches one point of the heel."
             )?;
         }
-        let dynamics = |key: &str| json["dynamics"][key].as_f64();
-        if let (Some(worst), Some(from), Some(to)) =
-            (dynamics("largest_deviation"), dynamics("from_key_mm"), dynamics("to_key_mm"))
-        {
-            let within = format!("within {:.1} % from key {from:.1} to {to:.1} mm", worst * 100.0);
-            writeln!(f, "  A slow press of the dynamic model has the same leverage {within}.")?;
+        if let Some(agreement) = agreement(json) {
+            writeln!(f, "{agreement}")?;
         }
         for note in json["notes"].as_array().into_iter().flatten().filter_map(Value::as_str) {
             writeln!(f, "  Note: {note}.")?;

@@ -1,6 +1,7 @@
 //! The outputs of `erard measure`: the table, the figures, the page.
 
 pub(crate) mod figures;
+pub(crate) mod headlines;
 mod lines;
 pub(crate) mod page;
 pub(crate) mod rows;

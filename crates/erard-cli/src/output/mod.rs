@@ -250,6 +250,16 @@ impl Written {
     }
 }
 
+impl Written {
+    /// The file to open first, and how many there are beside it.
+    pub(crate) fn brief(&self) -> String {
+        let names: Vec<&String> = self.names.iter().filter(|name| !is_beside_a_table(name)).collect();
+        let first = [".html", ".csv"].iter().find_map(|end| names.iter().find(|name| name.ends_with(end)));
+        let Some(first) = first.filter(|_| names.len() > 3) else { return self.to_string() };
+        format!("Written to {}: {first} and {} more files", inputs::shown(&self.folder), names.len() - 1)
+    }
+}
+
 impl std::fmt::Display for Written {
     /// Without the tables' metadata: nobody opens those by hand.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

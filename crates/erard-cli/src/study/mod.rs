@@ -5,4 +5,4 @@ pub(crate) mod sensitivities;
 mod table;
 
 pub(crate) use figure::figure;
-pub(crate) use table::{shown, table_of};
+pub(crate) use table::{crossed, shown, table_of};

@@ -191,6 +191,19 @@ fn digits(x: f64) -> String {
     if x.abs() < 1e-6 { format!("{x:.1e}") } else { format!("{x:.places$}") }
 }
 
+/// The three parameters that matter most to each result, a line for each.
+pub(crate) fn first(all: &Sensitivities) -> Vec<String> {
+    let of = |(k, of): (usize, &_)| {
+        let rows = all.rows.iter().filter(|one| one.of == k).take(3);
+        let one = |one: &Sensitivity| {
+            let variable = &all.by[one.by];
+            format!("{} {} for {}", variable.name, digits(shown(of, one.derivative * variable.usual)), usual(variable))
+        };
+        format!("{}: {}", heading(all, k), rows.map(one).collect::<Vec<_>>().join("; "))
+    };
+    all.of.iter().enumerate().map(of).collect()
+}
+
 /// The table for people: of every quantity at most so many rows.
 pub(crate) fn lines(all: &Sensitivities, most: usize) -> Vec<String> {
     let mut lines = Vec::new();

@@ -23,6 +23,12 @@ pub(crate) const TABLE: &str = ".csv";
 /// programs look.
 const METADATA: &str = "-metadata.json";
 
+/// At most so many places out of `count`, evenly spaced, the first and the last among them.
+pub(crate) fn spaced(count: usize, most: usize) -> Vec<usize> {
+    let shown = most.min(count).max(1);
+    (0..shown).map(|k| k * count.saturating_sub(1) / (shown - 1).max(1)).filter(|at| *at < count).collect()
+}
+
 /// Name of the metadata of a table.
 pub(crate) fn beside(table: &str) -> String {
     format!("{table}{METADATA}")

@@ -256,13 +256,18 @@ fn with_pieces(folder: &Folder, home: &str) {
     }
 }
 
-/// The README's first command and its six others, in a folder that holds the pieces only.
+/// The README's first command and its six others, in a folder that holds the pieces and a recording only.
 #[test]
 #[ignore = "ci: a measurement and a validation"]
 fn an_empty_folder_is_enough_for_the_readme() {
     let folder = Folder::new("desk-readme");
     // Where they really are: a checkout without symbolic links has no folder `pieces`.
     with_pieces(&folder, "crates/erard-piece/pieces");
+    let recordings = "crates/erard/recordings";
+    std::fs::create_dir_all(folder.0.join(recordings)).unwrap();
+    let recording = format!("{recordings}/kawai-kg-3c-medium.csv");
+    let own = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(&recording);
+    std::fs::copy(own, folder.0.join(&recording)).unwrap();
     let readme = include_str!("../../../../README.md");
     let mut blocks = readme.split("```sh\n").skip(1).map(|after| after.split("```").next().unwrap());
     let first = blocks.next().unwrap();

@@ -100,7 +100,7 @@ fn one_piano_one_cause() {
     let folder = folder("common");
     let table = "N,D,U,FW,SW,colour\n28,64,43,25.6,10.1,red\n40,65,41,25,9.8,\n41,63,41,26.9,9.7,\n52,57,36,24.2,8.9,\n64,58,39,15.6,8.2,\n";
     folder.file("piano.csv", table);
-    let output = folder.erard(&["piano.csv"]);
+    let output = folder.erard(&["piano.csv", "--full"]);
     let (said, warned) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
     assert!(said.contains("5 of 5 keys with work say the same, so that the cause is one: high"), "{said}");
     assert!(warned.contains("columns that were not used: colour"), "{warned}");

@@ -19,7 +19,7 @@ fn number(value: &Value, key: &str) -> f64 {
 /// A fit that is doubtful for these kinds of reasons: each a sentence at the top of the text and an entry in the JSON,
 /// and the exit code is 1; all files are written. Standard output.
 fn doubtful(folder: &Folder, arguments: &[&str], kinds: &[&str]) -> String {
-    let output = folder.erard(arguments);
+    let output = folder.erard(&[arguments, &["--full"]].concat());
     let [said, errors] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
     assert_eq!(output.status.code(), Some(1), "{said}{errors}");
     let found = json(folder);

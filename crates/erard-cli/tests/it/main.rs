@@ -35,6 +35,7 @@ mod recordings;
 mod regulate;
 mod samples;
 mod scan;
+mod short;
 mod studio;
 mod study;
 mod trust;

@@ -15,7 +15,7 @@ fn is_in_the_readme(met: u64, judged: u64) {
 #[ignore = "ci: a whole validation"]
 fn a_validated_grand() {
     let folder = Folder::for_command("validate", "grand");
-    let output = folder.erard(&["--out", "out", "--fail-on-miss"]);
+    let output = folder.erard(&["--out", "out", "--fail-on-miss", "--full"]);
     let (told, said) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
     assert!(output.status.code() == Some(1) && said.contains(" rows missed: "), "{said}");
     let report: Value = serde_json::from_str(&folder.read("out/validate.json")).unwrap();

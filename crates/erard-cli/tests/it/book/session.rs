@@ -110,14 +110,21 @@ impl Session {
     /// Holds an output block against what was printed; gives what was printed.
     fn output(&self, text: &str) -> Result<String, String> {
         let printed = self.printed.as_ref().ok_or("an output stands before the first command")?;
-        // How long it took, and with how much memory, depends on the machine.
+        // How long it took, and with how much memory, depends on the machine. The command to repeat stands above, and
+        // the version and the digest beside it change.
         let untimed = |line: &'_ str| match line.find(" simulations, ") {
             Some(at) => format!("{} simulations", &line[..at]),
             None => line.to_owned(),
         };
         let of_machine = |l: &str| l.contains("real-time factor") || l.starts_with("peak memory ");
-        let lines = printed.lines().filter(|l| !of_machine(l)).map(untimed);
-        let printed = lines.collect::<Vec<_>>().join("\n").trim_end().to_owned() + "\n";
+        let mut repeats = false;
+        let lines = printed.lines().filter(|line| {
+            repeats |= line.starts_with("Repeat:  ");
+            let is_left_out = repeats || of_machine(line);
+            repeats &= !line.contains("  (erard ");
+            !is_left_out
+        });
+        let printed = lines.map(untimed).collect::<Vec<_>>().join("\n").trim_end().to_owned() + "\n";
         let writing = generated::rewritten_below().is_some();
         let plain = |text: &str| text.lines().map(without_numbers).collect::<Vec<_>>();
         if writing || plain(text) == plain(&printed) {

@@ -78,6 +78,11 @@ impl Folder {
 
     /// Runs what must succeed; standard output.
     pub fn good(&self, arguments: &[&str]) -> String {
+        self.short(&[&["--full"], arguments].concat())
+    }
+
+    /// Runs what must work; the first lines of its answer.
+    pub fn short(&self, arguments: &[&str]) -> String {
         let output = self.erard(arguments);
         assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout).unwrap()
