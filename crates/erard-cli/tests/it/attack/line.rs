@@ -202,7 +202,7 @@ impl Line {
 
     /// Whether the program only shows its help or version.
     pub fn asks_for_help(&self) -> bool {
-        ["--help", "-h", "--version", "-V"].iter().any(|option| self.has(option))
+        ["--help", "-h", "--help-all", "--version", "-V"].iter().any(|option| self.has(option))
     }
 
     /// The command.
