@@ -10,11 +10,16 @@ use erard_figures::made_by::{MadeBy, Source};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
-use crate::command::version;
 use crate::table::{MAX_WIDTH, wrapped};
 
 /// The commit that the program was built from, where that was known; a `+`: changed since.
 pub(crate) const COMMIT: Option<&str> = option_env!("ERARD_COMMIT");
+
+/// The version, with the commit where it is known.
+pub fn version() -> String {
+    let commit = COMMIT.map_or(String::new(), |commit| format!(" ({commit})"));
+    format!("{}{commit}", env!("CARGO_PKG_VERSION"))
+}
 
 /// Options that say where results go and how they are reported, not what they are; with a value, or without.
 const ELSEWHERE: [(&str, bool); 6] =

@@ -132,7 +132,6 @@ pub(crate) fn complete(error: &mut clap::Error, definition: &clap::Command) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::command::definition;
 
     #[test]
     fn a_name_nearly_right_is_answered_by_the_right_one() {
@@ -173,22 +172,5 @@ mod tests {
             assert!(found.contains(wanted), "{typed}: {found}");
         }
         assert_eq!(what_it_is("xyzzy"), None);
-    }
-
-    #[test]
-    fn words_that_are_no_command_and_options_of_others_are_explained() {
-        for (typed, wanted) in [
-            (&["erard", "C4"][..], "concert-grand:key=C4"),
-            (&["erard", "mf"], "--stroke mf"),
-            (&["erard", "press", "--vary", "let_off=0"], "`--vary` is an option of `study`"),
-            (&["erard", "pres"], "a similar subcommand exists: 'press'"),
-            (&["erard", "press", "--instrumnt", "x"], "a similar argument exists: '--instrument'"),
-        ] {
-            let mut error = definition().try_get_matches_from(typed).expect_err("an error");
-            complete(&mut error, &definition());
-            let told = error.to_string();
-            assert!(told.contains(wanted) && told.matches("tip:").count() == 1, "{typed:?}: {told}");
-            assert_eq!(error.exit_code(), 2);
-        }
     }
 }

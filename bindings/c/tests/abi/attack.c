@@ -14,9 +14,15 @@ static ErardEventDetector *detector;
 static ErardReading readings[8];
 static ErardImpact impacts[4096];
 static ErardEvents events;
+static ErardBoard *board;
+static ErardBoardSetup setup = {.struct_size = sizeof setup, .first_key = 40, .key_count = 2, .travel_m = 0.01};
+/* As many as a board has keys at most, whatever count is given. */
+static ErardStops key_stops[88];
+static ErardBoardKey board_key;
+static double board_memory[1 << 16], more_memory[1 << 16];
 static ErardInput input;
 static ErardStatus status;
-static double doubles[4096];
+static double doubles[4096], pairs[4096][2];
 static float floats[4096];
 static uint8_t bytes[1 << 22];
 static uint8_t saved[1 << 20], now[1 << 20];
@@ -73,7 +79,11 @@ static void begin(void) {
     keyboard = erard_keyboard_builtin("concert-grand", 50e-6, &found);
     stroke = erard_stroke_builtin(instrument, "mf", 0, &found);
     detector = erard_event_detector_new(instrument, &found);
-    if (!instrument || !action || !keyboard || !stroke || !detector) {
+    for (size_t k = 0; k < sizeof key_stops / sizeof *key_stops; k++) {
+        key_stops[k] = (ErardStops){.struct_size = sizeof *key_stops, .rest = 3500, .pressed = 700};
+    }
+    board = erard_board_new(board_memory, sizeof board_memory, &setup, key_stops, NULL, 0, &found);
+    if (!instrument || !action || !keyboard || !stroke || !detector || !board) {
         printf("wrong: the objects: %s\n", erard_last_error());
         exit(0);
     }
@@ -90,6 +100,9 @@ static void play(int which) {
     readings[0].struct_size = size_by_chance(sizeof *readings, which / 2);
     impacts[0].struct_size = size_by_chance(sizeof *impacts, which / 2);
     events.struct_size = size_by_chance(sizeof events, which / 2);
+    board_key.struct_size = size_by_chance(sizeof board_key, which / 2);
+    key_stops[0].struct_size = size_by_chance(sizeof *key_stops, which / 2);
+    setup.struct_size = size_by_chance(sizeof setup, which / 3);
     status = ERARD_STATUS_OK;
     count = 16;
     left = 3;
@@ -104,7 +117,7 @@ int main(int arguments, char **names) {
     if (arguments != 3) return 1;
     /* Few seeds may draw none of the functions that take these. */
     (void)impacts; (void)events; (void)status; (void)floats; (void)bytes; (void)count;
-    (void)stops; (void)stops_late;
+    (void)stops; (void)stops_late; (void)more_memory; (void)pairs;
     memset(long_text, 'a', sizeof long_text - 1);
     begin();
     for (int n = 0; n < 200; n++) erard_action_step_force(action, 5.0, NULL);
@@ -126,6 +139,7 @@ int main(int arguments, char **names) {
         if (erard_action_restore(action, saved, saved_size) < 0) wrong("it does not come back twice");
     }
     printf("ends: %d done, %d refused, %d wrong\n", done, refused, faults);
+    erard_board_free(board);
     erard_event_detector_free(detector);
     erard_stroke_free(stroke);
     erard_keyboard_free(keyboard);

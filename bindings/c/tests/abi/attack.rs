@@ -119,6 +119,9 @@ fn argument(chance: &mut Chance, function: &Function, place: usize) -> String {
         "double" => chance.one(&NUMBERS).to_owned(),
         "uint32_t" | "int32_t" => chance.one(&WHOLE).to_owned(),
         "size_t" if before == Some("const char *") => format!("strlen_of(text_{})", place - 1),
+        "size_t" if before == Some("void *") => {
+            chance.one(&["sizeof more_memory", "sizeof more_memory", "64", "0"]).to_owned()
+        }
         "size_t" if function.name == "erard_memory_new" => chance.one(&["0", "1", "64", "100000"]).to_owned(),
         "size_t" if before.is_some_and(|before| before.ends_with('*')) && name != "which" => {
             chance.one(&COUNTS).to_owned()
@@ -128,9 +131,12 @@ fn argument(chance: &mut Chance, function: &Function, place: usize) -> String {
         "ErardStatus *" => chance.one(&["&status", "&status", "&status", "NULL"]).to_owned(),
         "size_t *" => chance.one(&["&count", "&count", "NULL"]).to_owned(),
         "ErardProgress" => chance.one(&["NULL", "stops", "stops_late"]).to_owned(),
+        // Not the memory in which the board lies that is played.
+        "void *" if name == "memory" => chance.one(&["more_memory", "more_memory", "more_memory", "NULL"]).to_owned(),
         "void *" => "NULL".to_owned(),
         "double *" | "const double *" => chance.one(&["doubles", "doubles", "NULL"]).to_owned(),
-        "float *" => chance.one(&["floats", "floats", "NULL"]).to_owned(),
+        "const double (*" => chance.one(&["pairs", "pairs", "NULL"]).to_owned(),
+        "float *" | "const float *" => chance.one(&["floats", "floats", "NULL"]).to_owned(),
         "uint8_t *" | "const uint8_t *" => chance.one(&["bytes", "bytes", "NULL"]).to_owned(),
         object => {
             let object = object.trim_start_matches("const ").trim_start_matches("struct ");
@@ -144,6 +150,10 @@ fn argument(chance: &mut Chance, function: &Function, place: usize) -> String {
                 "ErardInput *" => "&input",
                 "ErardImpact *" => "impacts",
                 "ErardEvents *" => "&events",
+                "ErardBoard *" => "board",
+                "ErardBoardSetup *" => "&setup",
+                "ErardBoardKey *" => "&board_key",
+                "ErardStops *" => "key_stops",
                 _ => panic!("{}: say here how an argument of type `{kind}` is made", function.name),
             };
             chance.one(&[known, known, known, known, "NULL"]).to_owned()

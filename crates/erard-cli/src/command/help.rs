@@ -402,4 +402,21 @@ mod tests {
             assert!(places.is_sorted(), "{}: {text}", short.command);
         }
     }
+
+    #[test]
+    fn words_that_are_no_command_and_options_of_others_are_explained() {
+        for (typed, wanted) in [
+            (&["erard", "C4"][..], "concert-grand:key=C4"),
+            (&["erard", "mf"], "--stroke mf"),
+            (&["erard", "press", "--vary", "let_off=0"], "`--vary` is an option of `study`"),
+            (&["erard", "pres"], "a similar subcommand exists: 'press'"),
+            (&["erard", "press", "--instrumnt", "x"], "a similar argument exists: '--instrument'"),
+        ] {
+            let mut error = definition().try_get_matches_from(typed).expect_err("an error");
+            crate::suggest::complete(&mut error, &definition());
+            let told = error.to_string();
+            assert!(told.contains(wanted) && told.matches("tip:").count() == 1, "{typed:?}: {told}");
+            assert_eq!(error.exit_code(), 2);
+        }
+    }
 }

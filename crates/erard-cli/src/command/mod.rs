@@ -47,7 +47,7 @@ use erard::files::steers;
 use crate::answer::Answer;
 use crate::excerpt::excerpt;
 use crate::failure::Failure;
-use crate::identity;
+pub use crate::identity::version;
 use crate::inputs::clipped;
 use crate::printer::OutputMode;
 use crate::session::Session;
@@ -66,12 +66,6 @@ pub(crate) struct Command {
     /// Print all of the answer, not its first lines only
     #[arg(long, global = true)]
     full: bool,
-}
-
-/// The version, with the commit where it is known.
-pub fn version() -> String {
-    let commit = identity::COMMIT.map_or(String::new(), |commit| format!(" ({commit})"));
-    format!("{}{commit}", env!("CARGO_PKG_VERSION"))
 }
 
 #[derive(Debug, Subcommand)]

@@ -242,8 +242,8 @@ fn every_number_of_the_schema_is_registered() {
     assert!(gone.is_empty(), "not in the schema: {gone:?}");
     for number in FileNumber::all() {
         let of_key = number.quantity().1.map_or("", |unit| unit.symbol);
-        // For people an angle is in degrees, and no radian needs to be named beside a damping.
-        let shown = [("deg", "degrees"), ("N m s/rad", "N m s")];
+        // For people an angle is in degrees, no radian needs to be named beside a damping, and a share has no unit.
+        let shown = [("deg", "degrees"), ("N m s/rad", "N m s"), ("1", "")];
         let own = shown.iter().find(|(symbol, _)| *symbol == of_key).map_or(of_key, |(_, shown)| shown);
         assert_eq!(number.unit, own, "{}", form(number));
         assert!(number.least < number.most, "{}", form(number));

@@ -62,7 +62,7 @@ const NUMBERS: [&str; 48] = [
 #[test]
 fn json_has_every_number() {
     let folder = Folder::new("bench-json");
-    let report: Value = serde_json::from_str(&folder.good(&["--quick", "--json"])).expect("nothing but JSON");
+    let report: Value = serde_json::from_str(&folder.short(&["--quick", "--json"])).expect("nothing but JSON");
     let number = |name: &str| report[name].as_f64().unwrap_or_else(|| panic!("{name}: {report}"));
     for name in NUMBERS {
         let value = number(name);
@@ -88,7 +88,7 @@ fn json_has_every_number() {
 #[ignore = "ci: all benchmarks once more"]
 fn the_table_names_what_was_timed() {
     let folder = Folder::new("bench-table");
-    let table = folder.good(&["--quick"]);
+    let table = folder.short(&["--quick"]);
     for part in [
         "step",
         "press",

@@ -90,7 +90,7 @@ fn the_list() {
     let folder = folder("list");
     let output = folder.erard(&["--list"]);
     let text = String::from_utf8(output.stdout).unwrap();
-    assert_eq!(text.lines().count(), 31);
+    assert_eq!(text.lines().count(), 32);
     assert!(text.contains("conformance ") && text.contains("scheme-order"));
 }
 
