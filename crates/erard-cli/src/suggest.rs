@@ -10,6 +10,15 @@ use erard::stroke::{NUANCES, Touch};
 use erard_kinematics::LinkageFile;
 use erard_workshop::measure::norms::lines;
 
+/// The commands by what they are for, as the help lists them.
+pub(crate) const GROUPS: [(&str, &[&str]); 5] = [
+    ("Play", &["press", "play", "studio", "draw"]),
+    ("In the workshop", &["measure", "diagnose", "regulate", "keyboard"]),
+    ("Research", &["study", "compare", "fit", "validate", "listen", "kinematics"]),
+    ("Build", &["live", "calibrate", "scan", "fmu"]),
+    ("Files and this program", &["list", "check", "completions", "man", "help"]),
+];
+
 /// Names at least so similar (Jaro-Winkler, 0 to 1) are suggested.
 const SIMILAR: f64 = 0.84;
 /// At most so many.
@@ -87,8 +96,7 @@ pub(crate) fn what_it_is(name: &str) -> Option<String> {
     if LinkageFile::builtin_names().any(|one| one == name) {
         return Some(format!("`{name}` is a linkage: erard kinematics {name}"));
     }
-    let commands = crate::command::definition();
-    if commands.get_subcommands().any(|one| one.get_name() == name && !one.is_hide_set()) {
+    if GROUPS.iter().flat_map(|(_, commands)| *commands).any(|one| *one == name) {
         return Some(format!("`{name}` is a command: erard {name} --help"));
     }
     if let Some(line) = lines().find(|line| line.key == name) {

@@ -5,6 +5,8 @@ use std::fmt::Write;
 
 use clap::{Arg, ArgAction, Command};
 
+use crate::suggest::GROUPS;
+
 /// What a short help prints of a command.
 struct Short {
     command: &'static str,
@@ -206,15 +208,6 @@ const SHORT: [Short; 22] = [
         &["out"],
         [("erard man press | man -l -", "one page"), ("erard man --out man1", "the pages of all commands")],
     ),
-];
-
-/// The commands by what they are for.
-const GROUPS: [(&str, &[&str]); 5] = [
-    ("Play", &["press", "play", "studio", "draw"]),
-    ("In the workshop", &["measure", "diagnose", "regulate", "keyboard"]),
-    ("Research", &["study", "compare", "fit", "validate", "listen", "kinematics"]),
-    ("Build", &["live", "calibrate", "scan", "fmu"]),
-    ("Files and this program", &["list", "check", "completions", "man", "help"]),
 ];
 
 /// Options of recordings, which have a heading of their own.
