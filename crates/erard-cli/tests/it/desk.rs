@@ -263,7 +263,7 @@ fn an_empty_folder_is_enough_for_the_readme() {
     let folder = Folder::new("desk-readme");
     // Where they really are: a checkout without symbolic links has no folder `pieces`.
     with_pieces(&folder, "crates/erard-piece/pieces");
-    let recordings = "crates/erard/recordings";
+    let recordings = "crates/erard-core/recordings";
     std::fs::create_dir_all(folder.0.join(recordings)).unwrap();
     let recording = format!("{recordings}/kawai-kg-3c-medium.csv");
     let own = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(&recording);

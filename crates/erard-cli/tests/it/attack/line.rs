@@ -221,6 +221,9 @@ impl Line {
             "study" if answer.get("failed_samples").is_some() => "study-bands",
             "validate" if answer.get("failed_samples").is_some() => "validate-bands",
             "keyboard" if answer.get("names").is_some() => "keyboard-two",
+            "kinematics" if self.has("--list") => "list",
+            "kinematics" if self.has("--check-file") => "check",
+            _ if answer.get("text").is_some() => "text",
             own => own,
         }
     }
