@@ -6,7 +6,10 @@
 //! `erard-live` and, with the default feature `workshop`, `erard-workshop` and `erard-figures`.
 
 mod action;
+// A page senses no keys, and is small.
+#[cfg(not(target_family = "wasm"))]
 mod board;
+#[cfg(not(target_family = "wasm"))]
 mod board_keys;
 mod caller_struct;
 mod event_detector;
@@ -27,6 +30,7 @@ mod version;
 mod workshop;
 
 pub use action::*;
+#[cfg(not(target_family = "wasm"))]
 pub use board::*;
 pub use event_detector::*;
 pub use halving::*;

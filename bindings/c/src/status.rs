@@ -36,7 +36,8 @@ impl Fault {
         Fault { status, text: text.into() }
     }
 
-    /// Makes the fault that something says.
+    /// Makes the fault that something says. Boards do.
+    #[cfg(not(target_family = "wasm"))]
     pub(crate) fn of(status: ErardStatus, what: &dyn Display) -> Self {
         Fault::new(status, what.to_string())
     }
