@@ -2,7 +2,6 @@
 
 use std::cell::RefCell;
 use std::ffi::{CString, c_char};
-use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null_mut;
 
@@ -38,7 +37,7 @@ impl Fault {
 
     /// Makes the fault that something says. Boards do.
     #[cfg(not(target_family = "wasm"))]
-    pub(crate) fn of(status: ErardStatus, what: &dyn Display) -> Self {
+    pub(crate) fn of(status: ErardStatus, what: &dyn std::fmt::Display) -> Self {
         Fault::new(status, what.to_string())
     }
 

@@ -14,7 +14,8 @@ const imports = WebAssembly.Module.imports(module);
 if (imports.length > 0) throw new Error(`imports ${JSON.stringify(imports)}; expected none`);
 
 const header = await readFile(new URL("../include/erard.h", import.meta.url), "utf8");
-const flat = header.replace(/\/\*[\s\S]*?\*\//g, "").replace(/\(\*(\w+)\)\[\d+\]/g, "*$1").replace(/^#.*$/gm, "").replace(/\s+/g, " ");
+const flat = header
+  .replace(/\/\*[\s\S]*?\*\//g, "").replace(/\(\*(\w+)\)\[\d+\]/g, "*$1").replace(/^#.*$/gm, "").replace(/\s+/g, " ");
 /** Functions of the header: name and arguments, each with type and name. */
 const functions = flat.split(";").flatMap((one) => {
   const found = one.match(/([\w ]+[ *]+)(erard_\w+)\(([^()]*)\)\s*$/);
