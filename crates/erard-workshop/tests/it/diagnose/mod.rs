@@ -244,8 +244,9 @@ fn heavy_touch_is_seen_through() {
     assert!((ratio.low..=ratio.high).contains(&7.0), "{ratio:?}");
 }
 
-/// A let-off that was made too wide is the first cause that is named on that many unknown pianos. Undoing it, by the
-/// amount that was named, leaves no reading out of range that was not out before; on the first of them none.
+/// A let-off that was made too wide by 0.3 mm is the first cause that is named on unknown pianos where it brings a
+/// reading out of its range; where it does not, no work is named. Undoing it, by the amount that was named, leaves no
+/// reading out of range that was not out before; on the first of them none.
 fn undoing_cures(pianos: usize) {
     let sampled = Sampled::of_file(Instrument::builtin_text(GRAND).unwrap(), GRAND, &mut |_| true).unwrap();
     let cause = causes().iter().find(|cause| cause.key == "let_off_wide").unwrap();
@@ -255,16 +256,24 @@ fn undoing_cures(pianos: usize) {
     };
     let healthy: Vec<_> = (6001..6100).filter_map(|number| sound_sample(&sampled, number)).take(pianos).collect();
     assert_eq!(healthy.len(), pianos);
+    let mut shown = 0;
     for (place, healthy) in healthy.iter().enumerate() {
         let ill = inject(healthy, cause, -0.3e-3, false, &mut |_| true).unwrap();
         let found = asked(&ill);
-        assert_eq!(found.causes[0].cause.key, "let_off_wide", "{place}");
+        println!("{place}: out {:?}, named {:?}", out(&found), named(&found));
+        if !out(&found).contains(&"let_off_mm") {
+            assert!(place > 0 && !found.is_work(), "{place}: {:?}", named(&found));
+            continue;
+        }
+        shown += 1;
+        assert_eq!(named(&found).first(), Some(&"let_off_wide"), "{place}");
         let amount = erard_workshop::diagnose::injected_amount(found.causes[0].cause, found.causes[0].case);
         let cured = asked(&inject(&ill, found.causes[0].cause, amount, true, &mut |_| true).unwrap());
         println!("{place}: undone by {} mm of 0.3; still out: {:?}", -1e3 * amount, out(&cured));
         assert_eq!(out(&cured), out(&asked(healthy)), "{place}");
         assert!(place > 0 || !cured.is_work());
     }
+    assert!(2 * shown >= pianos, "it shows on {shown} of {pianos}");
 }
 
 /// One fault each on drawn grands that the effects were not simulated on, read with a sheet's errors: the likeliest
