@@ -245,8 +245,8 @@ fn heavy_touch_is_seen_through() {
 }
 
 /// A let-off that was made too wide by 0.3 mm is the first cause that is named on unknown pianos where it brings a
-/// reading out of its range; where it does not, no work is named. Undoing it, by the amount that was named, leaves no
-/// reading out of range that was not out before; on the first of them none.
+/// reading of the let-off out of its range; where it does not, no other cause is named. Undoing it, by the amount that
+/// was named, leaves no reading out of range that was not out before; on the first of them none.
 fn undoing_cures(pianos: usize) {
     let sampled = Sampled::of_file(Instrument::builtin_text(GRAND).unwrap(), GRAND, &mut |_| true).unwrap();
     let cause = causes().iter().find(|cause| cause.key == "let_off_wide").unwrap();
@@ -262,7 +262,8 @@ fn undoing_cures(pianos: usize) {
         let found = asked(&ill);
         println!("{place}: out {:?}, named {:?}", out(&found), named(&found));
         if !out(&found).contains(&"let_off_mm") {
-            assert!(place > 0 && !found.is_work(), "{place}: {:?}", named(&found));
+            let others: Vec<_> = named(&found).into_iter().filter(|name| *name != "let_off_wide").collect();
+            assert!(place > 0 && others.is_empty(), "{place}: {others:?}");
             continue;
         }
         shown += 1;
