@@ -244,9 +244,9 @@ fn heavy_touch_is_seen_through() {
     assert!((ratio.low..=ratio.high).contains(&7.0), "{ratio:?}");
 }
 
-/// A let-off that was made too wide by 0.3 mm is the first cause that is named on unknown pianos where it brings a
-/// reading of the let-off out of its range; where it does not, no other cause is named. Undoing it, by the amount that
-/// was named, leaves no reading out of range that was not out before; on the first of them none.
+/// On three of four unknown pianos a let-off that was made too wide by 0.3 mm is the first cause that is named, and on
+/// none another. Undoing it, by the amount that was named, leaves no reading out of range that was not out before; on
+/// the first of them none.
 fn undoing_cures(pianos: usize) {
     let sampled = Sampled::of_file(Instrument::builtin_text(GRAND).unwrap(), GRAND, &mut |_| true).unwrap();
     let cause = causes().iter().find(|cause| cause.key == "let_off_wide").unwrap();
@@ -261,9 +261,8 @@ fn undoing_cures(pianos: usize) {
         let ill = inject(healthy, cause, -0.3e-3, false, &mut |_| true).unwrap();
         let found = asked(&ill);
         println!("{place}: out {:?}, named {:?}", out(&found), named(&found));
-        if !out(&found).contains(&"let_off_mm") {
-            let others: Vec<_> = named(&found).into_iter().filter(|name| *name != "let_off_wide").collect();
-            assert!(place > 0 && others.is_empty(), "{place}: {others:?}");
+        if named(&found).is_empty() {
+            assert!(place > 0, "the first is named");
             continue;
         }
         shown += 1;
@@ -274,7 +273,7 @@ fn undoing_cures(pianos: usize) {
         assert_eq!(out(&cured), out(&asked(healthy)), "{place}");
         assert!(place > 0 || !cured.is_work());
     }
-    assert!(2 * shown >= pianos, "it shows on {shown} of {pianos}");
+    assert!(4 * shown >= 3 * pianos, "it is named on {shown} of {pianos}");
 }
 
 /// One fault each on drawn grands that the effects were not simulated on, read with a sheet's errors: the likeliest
