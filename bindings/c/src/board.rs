@@ -99,27 +99,7 @@ pub struct ErardBoardSetup {
 impl Default for ErardBoardSetup {
     /// No keys; everything else usual.
     fn default() -> Self {
-        ErardBoardSetup {
-            struct_size: size_of::<Self>() as u32,
-            first_key: 0,
-            key_count: 0,
-            kind: ERARD_BOARD_ACTION,
-            sensor_law: ERARD_SENSOR_LINEAR,
-            nearest_at_rest: 0,
-            velocity_law: ERARD_VELOCITY_USUAL,
-            velocity_bits: 0,
-            channel: 0,
-            reserved: 0,
-            step_s: 0.0,
-            travel_m: 0.0,
-            sensor_at_m: 0.0,
-            nearest_m: 0.0,
-            still: 0.0,
-            velocity_at_one: 0.0,
-            velocity_per_octave: 0.0,
-            velocity_full_m_per_s: 0.0,
-            release_m_per_s: 0.0,
-        }
+        Self::zeroed()
     }
 }
 
@@ -151,14 +131,7 @@ pub struct ErardStops {
 impl Default for ErardStops {
     /// No sensor.
     fn default() -> Self {
-        ErardStops {
-            struct_size: size_of::<Self>() as u32,
-            reserved: 0,
-            rest: 0.0,
-            pressed: 0.0,
-            noise: 0.0,
-            drift: 0.0,
-        }
+        Self::zeroed()
     }
 }
 
@@ -201,20 +174,7 @@ pub struct ErardBoardKey {
 impl Default for ErardBoardKey {
     /// All numbers are 0.
     fn default() -> Self {
-        ErardBoardKey {
-            struct_size: size_of::<Self>() as u32,
-            asleep: 0,
-            limited_strokes: 0,
-            flutters: 0,
-            stuck: 0,
-            drifts_beyond: 0,
-            lost_messages: 0,
-            reserved: 0,
-            deep_readings: 0.0,
-            non_finite_steps: 0.0,
-            fastest_hammer_m_per_s: 0.0,
-            drift: 0.0,
-        }
+        Self::zeroed()
     }
 }
 

@@ -16,6 +16,17 @@ const ALIGNMENT: usize = 8;
 pub(crate) unsafe trait CallerStruct: Copy + Default {
     /// Size in the first header that declared the struct, bytes.
     const FIRST_BYTES: usize;
+
+    /// Returns the struct with its size; every other number is 0.
+    fn zeroed() -> Self {
+        // SAFETY: every bit pattern is a value of `Self`, and `value` is aligned and begins with a u32, its size (the
+        // contract of this trait); nothing else uses it yet.
+        unsafe {
+            let mut value = core::mem::zeroed::<Self>();
+            (&raw mut value).cast::<u32>().write(size_of::<Self>() as u32);
+            value
+        }
+    }
 }
 
 /// Returns the size at the beginning of a caller's struct.

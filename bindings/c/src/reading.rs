@@ -66,18 +66,7 @@ pub struct ErardInput {
 impl Default for ErardInput {
     /// A free key.
     fn default() -> Self {
-        ErardInput {
-            struct_size: size_of::<Self>() as u32,
-            kind: ERARD_INPUT_FREE,
-            force_n: 0.0,
-            position_m: 0.0,
-            velocity_m_per_s: 0.0,
-            hand_mass_kg: 0.0,
-            muscle_n_per_m: 0.0,
-            muscle_n_s_per_m: 0.0,
-            joints_m_per_n: 0.0,
-            joints_s: 0.0,
-        }
+        Self::zeroed()
     }
 }
 
@@ -188,24 +177,7 @@ pub struct ErardReading {
 impl Default for ErardReading {
     /// All numbers are 0.
     fn default() -> Self {
-        ErardReading {
-            struct_size: size_of::<Self>() as u32,
-            reserved: 0,
-            time_s: 0.0,
-            key_m: 0.0,
-            key_m_per_s: 0.0,
-            finger_force_n: 0.0,
-            finger_force_mean_n: 0.0,
-            hammer_rise_m: 0.0,
-            hammer_rise_m_per_s: 0.0,
-            string_n: 0.0,
-            impact_time_s: 0.0,
-            hammer_speed_m_per_s: 0.0,
-            impact_count: 0,
-            new_impact_count: 0,
-            hand_m: 0.0,
-            hand_m_per_s: 0.0,
-        }
+        Self::zeroed()
     }
 }
 
@@ -232,7 +204,7 @@ pub struct ErardImpact {
 impl Default for ErardImpact {
     /// No key's.
     fn default() -> Self {
-        ErardImpact { struct_size: size_of::<Self>() as u32, key: 0, time_s: 0.0, hammer_speed_m_per_s: 0.0 }
+        Self::zeroed()
     }
 }
 

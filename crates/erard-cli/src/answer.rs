@@ -96,12 +96,11 @@ impl Answer {
     #[must_use]
     pub(crate) fn end(self, session: &mut Session, written: &Written) -> Self {
         let left_out = session.printer.end_rest();
-        match (&left_out, session.printer.is_full()) {
-            (Some(_), _) => {
-                session.printer.line(String::new());
-                session.printer.line(written.brief());
-            }
-            _ => session.printer.line(written.to_string()),
+        if left_out.is_some() {
+            session.printer.line(String::new());
+            session.printer.line(written.brief());
+        } else {
+            session.printer.line(written.to_string());
         }
         let repeat = session.provenance.repeated();
         session.printer.line(repeat);

@@ -177,6 +177,7 @@ fn a_grown_struct_serves_the_first_header() {
     let beyond = First { struct_size: 7, count: 7, a: 7.0 };
     let mut memory = [old, old, beyond];
     let new = Grown { struct_size: size_of::<Grown>() as u32, count: 3, a: 1.5, b: 2.5 };
+    assert_eq!(Grown::zeroed(), Grown { count: 0, a: 0.0, b: 0.0, ..new });
     let place = unsafe { Place::<Grown>::new(memory.as_mut_ptr().cast()) }.unwrap().unwrap();
     unsafe {
         place.write(0, &new);

@@ -144,5 +144,5 @@ pub(crate) fn lines(rows: &[BandRow], count: u32) -> Vec<String> {
         let few = if row.samples < count as usize { format!("in {} of {count}", row.samples) } else { String::new() };
         [row.name.clone(), number(row.value), number(row.low), number(row.high), row.unit.clone(), few]
     });
-    Table::of(["", "value", "5 %", "95 %", "", ""], cells).to_string().lines().map(str::to_owned).collect()
+    Table::of(["", "value", "5 %", "95 %", "", ""], cells).lines()
 }

@@ -294,8 +294,7 @@ impl Calibrate {
         let table = |rows: Vec<Vec<String>>| Table::of(["key", "rest", "pressed", "noise, %", "drift, %"], rows);
         let places = spaced(rows.len(), FIRST_ROWS);
         if places.len() < rows.len() {
-            let some = table(places.iter().map(|at| rows[*at].clone()).collect()).to_string();
-            let some: Vec<String> = some.lines().map(str::to_owned).collect();
+            let some = table(places.iter().map(|at| rows[*at].clone()).collect()).lines();
             Answer::begin_with_part(session, &some, "the stops of every key");
         } else {
             print_line!(session);

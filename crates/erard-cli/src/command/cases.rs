@@ -148,9 +148,9 @@ pub(crate) fn run(
     };
     // Misses and harmful work come first.
     let missed = report.missed + report.harmful;
-    let worst = Table::of(heads, report.rows.iter().take(missed.max(1)).map(row)).to_string();
-    let worst: Vec<String> = worst.lines().map(str::to_owned).collect();
-    Answer::begin_with_part(session, &worst, "the other cases, with what is named first and what is acceptable");
+    let worst = Table::of(heads, report.rows.iter().take(missed.max(1)).map(row)).lines();
+    let adds = "the other cases, each with the cause that is named first and the acceptable ones";
+    Answer::begin_with_part(session, &worst, adds);
     print_line!(session, "{}", Table::of(heads, report.rows.iter().map(row)));
     print_line!(session, "  Readings, sources and what was found are in cases.csv and validation/cases.toml.");
     print_line!(session);

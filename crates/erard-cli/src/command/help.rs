@@ -165,7 +165,7 @@ const SHORT: [Short; 22] = [
         "list",
         &[],
         [
-            ("erard list strokes", "one kind of what is built in"),
+            ("erard list strokes", "the built-in strokes alone"),
             ("erard list concert-grand > mine.toml", "an instrument to edit"),
         ],
     ),

@@ -132,13 +132,13 @@ pub(crate) fn headlines(played: &[Played<'_>; 2]) -> Vec<String> {
     let is_first =
         |name: &str| MEASURES.iter().any(|(key, own, ..)| FIRST.contains(key) && *own == name) || name == IMPACTS;
     let rows = rows(json_of(played)).into_iter().filter(|(name, _)| is_first(name)).collect();
-    table(played, rows).lines().map(str::to_owned).collect()
+    table(played, rows).lines()
 }
 
-fn table(played: &[Played<'_>; 2], rows: Vec<(String, [String; 3])>) -> String {
+fn table(played: &[Played<'_>; 2], rows: Vec<(String, [String; 3])>) -> Table<'static> {
     let rows = rows.into_iter().map(|(name, cells)| [vec![name], cells.to_vec()].concat());
     let heads = [String::new()].into_iter().chain(names(played)).chain(["difference".to_owned()]);
-    Table::of(heads, rows).to_string()
+    Table::of(heads, rows)
 }
 
 /// Prints the table of differences.

@@ -184,13 +184,11 @@ pub(super) fn run(
 
     print_line!(session, "{} compared with a recorded grand, note by note", report.instrument);
     let answer = Answer::of(&report)?;
-    let first: Vec<String> = match &report.verdicts[..] {
-        [] => printed(&rows).to_string(),
-        verdicts => printed_verdicts(verdicts).to_string(),
+    let first = match &report.verdicts[..] {
+        [] => printed(&rows),
+        verdicts => printed_verdicts(verdicts),
     }
-    .lines()
-    .map(str::to_owned)
-    .collect();
+    .lines();
     Answer::begin_with_part(session, &first, "every note beside the recorded one: decay, inharmonicity, centroid");
     print_line!(session, "{}", printed(&rows));
     if !report.verdicts.is_empty() {

@@ -87,7 +87,7 @@ pub(crate) fn lines(found: &FitResult, problem: &Problem) -> Vec<String> {
             end.to_owned(),
         ]
     });
-    lines.extend(Table::of(head, rows).to_string().lines().map(str::to_owned));
+    lines.extend(Table::of(head, rows).lines());
     lines.push(match found.has_errors() {
         true => "  +-: one standard deviation; 95 %: half of that interval; both are due to noise alone".to_owned(),
         false => "  no errors: the recordings are too short for their noise".to_owned(),
@@ -142,7 +142,7 @@ fn misfits(found: &FitResult, problem: &Problem) -> Vec<String> {
             if channel.noise_is_known { String::new() } else { "noise from the residuals".to_owned() },
         ]
     });
-    let mut lines: Vec<String> = Table::of(head, rows).to_string().lines().map(str::to_owned).collect();
+    let mut lines = Table::of(head, rows).lines();
     let late = problem.blocks().iter().zip(&found.channels).filter_map(|(block, channel)| {
         let (delay, std) = channel.delay_s?;
         let (name, delay, std) = (&problem.recordings()[block.recording].name, delay * 1e3, std * 1e3);

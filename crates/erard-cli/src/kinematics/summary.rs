@@ -126,7 +126,7 @@ const FIRST: [Number; 4] = [
 impl Summary {
     /// The first lines: leverage, let-off and sliding, and how well a slow press agrees.
     pub(crate) fn headlines(&self, answer: &Value) -> Vec<String> {
-        let mut lines: Vec<String> = self.table(&FIRST).to_string().lines().map(str::to_owned).collect();
+        let mut lines = self.table(&FIRST).lines();
         lines.extend(agreement(answer));
         lines
     }

@@ -106,7 +106,7 @@ impl StreamSummary {
                 ]
             });
             lines.push(String::new());
-            lines.extend(Table::of(heads, rows.collect::<Vec<_>>()).to_string().lines().map(str::to_owned));
+            lines.extend(Table::of(heads, rows.collect::<Vec<_>>()).lines());
         }
         lines
     }

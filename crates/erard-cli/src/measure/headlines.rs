@@ -89,7 +89,7 @@ pub(crate) fn of_several(answer: &Value, labels: &[&str], lengths: Lengths) -> V
     let out = all.iter().map(|one| one["flags"].as_array().map_or(0, Vec::len).to_string());
     let out = std::iter::once("out of range".to_owned()).chain(out).collect();
     let heads = [""].into_iter().chain(labels.iter().copied());
-    Table::of(heads, rows.chain([out])).to_string().lines().map(str::to_owned).collect()
+    Table::of(heads, rows.chain([out])).lines()
 }
 
 /// The first lines of a technician's sheet: what is out, and what to do.

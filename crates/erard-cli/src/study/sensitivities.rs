@@ -230,7 +230,7 @@ pub(crate) fn lines(all: &Sensitivities, most: usize) -> Vec<String> {
                 one.mark.name().to_owned(),
             ]
         });
-        lines.extend(Table::of(heads, cells).to_string().lines().map(str::to_owned));
+        lines.extend(Table::of(heads, cells).lines());
         for one in rows.iter().take(most) {
             let (name, reason) = (&all.by[one.by].name, one.reason.as_deref());
             lines.extend(match one.mark {

@@ -50,8 +50,7 @@ pub(crate) fn crossed(axes: &[Axis], measures: &[&Line], rows: &[StudyRow]) -> O
     let [down_some, across_some] = [some(down, places[0].len()), some(across, places[1].len())];
     let what = measures.first().map_or("hammer speed, m/s".to_owned(), |line| measured_title(axes, line));
     let title = format!("{what}; down: {}{down_some}; across: {}{across_some}", down.column(), across.column());
-    let table = Table::of(heads, cells).to_string();
-    Some([title].into_iter().chain(table.lines().map(str::to_owned)).collect())
+    Some([title].into_iter().chain(Table::of(heads, cells).lines()).collect())
 }
 
 /// The table for people, at most so many rows of it, the first and the last among them.

@@ -59,6 +59,11 @@ enum Cells<'a> {
 }
 
 impl<'a> Table<'a> {
+    /// Its printed lines.
+    pub(crate) fn lines(&self) -> Vec<String> {
+        self.to_string().lines().map(str::to_owned).collect()
+    }
+
     /// A table of words, row by row: what is printed or shown on a page.
     pub fn of<R: IntoIterator<Item = String>>(
         heads: impl IntoIterator<Item = impl Into<Cow<'a, str>>>,

@@ -65,6 +65,26 @@ pub(super) struct Dashpot {
     pub sounds: Pair,
 }
 
+impl Dashpot {
+    /// Takes in a mode of its string in a direction (0 that of the blow, 1 across it), which displaces the dashpot and
+    /// the hammer by so much per metre. Returns how far in a step a newton on the dashpot moves the mode, m/N.
+    fn set_mode(
+        &mut self,
+        [shape, hammer]: [f64; 2],
+        at: usize,
+        stiffness_n_per_m: f64,
+        blocks: &[Block],
+        direction: usize,
+    ) -> f64 {
+        let Block { qq, bridge, .. } = &blocks[at / WIDE];
+        self.row.set(at, shape, stiffness_n_per_m, blocks);
+        let moves = shape / stiffness_n_per_m * (1.0 - qq[at % WIDE]);
+        self.moved_by_m_per_n[0] += hammer * moves;
+        self.sounds[direction] += bridge[at % WIDE] * moves;
+        moves
+    }
+}
+
 /// Those of an instrument.
 pub(super) fn felts(instrument: &Instrument) -> Vec<Felt> {
     let of = |(string, one): (usize, &PianoString)| {
@@ -124,16 +144,11 @@ impl Felt {
         blocks: &[Block],
     ) -> f64 {
         let [mean, half] = self.shapes(string, n);
-        let Block { qq, bridge, .. } = &blocks[at / WIDE];
-        let (qq, bridge) = (qq[at % WIDE], bridge[at % WIDE]);
         self.row.set(at, mean, stiffness_n_per_m, blocks);
         let rocking = &mut self.dashpots[0];
-        rocking.row.set(at, half, stiffness_n_per_m, blocks);
-        let rocks = half / stiffness_n_per_m * (1.0 - qq);
+        let rocks = rocking.set_mode([half, hammer], at, stiffness_n_per_m, blocks, 0);
         self.between_m_per_n[0][0] += half * rocks;
-        rocking.moved_by_m_per_n[0] += hammer * rocks;
         rocking.moved_by_m_per_n[1] += mean * rocks;
-        rocking.sounds[0] += bridge * rocks;
         mean
     }
 
@@ -147,14 +162,8 @@ impl Felt {
         blocks: &[Block],
     ) {
         let shapes = self.shapes(string, n);
-        let Block { qq, bridge, .. } = &blocks[at / WIDE];
-        let (qq, bridge) = (qq[at % WIDE], bridge[at % WIDE]);
         for (k, of_k) in shapes.into_iter().enumerate() {
-            let dashpot = &mut self.dashpots[1 + k];
-            dashpot.row.set(at, of_k, stiffness_n_per_m, blocks);
-            let moves = of_k / stiffness_n_per_m * (1.0 - qq);
-            dashpot.moved_by_m_per_n[0] += hammer * moves;
-            dashpot.sounds[1] += bridge * moves;
+            let moves = self.dashpots[1 + k].set_mode([of_k, hammer], at, stiffness_n_per_m, blocks, 1);
             for (l, of_l) in shapes.into_iter().enumerate() {
                 self.between_m_per_n[1 + k][1 + l] += of_l * moves;
             }

@@ -112,7 +112,8 @@ fn strings_a_pedal_and_a_saved_state_are_those_of_the_core() {
     );
 }
 
-/// Each lack and each contradiction is refused with what is expected, before anything is computed.
+/// `run` refuses a missing setting and two that contradict each other before it computes anything; the error names
+/// what is expected.
 #[test]
 fn what_is_missing_or_contradictory_is_refused() {
     let grand = grand();

@@ -1,5 +1,5 @@
-//! The lists of what is promised (docs/compatibility.md) have the names that the crates re-export. `.ci/regenerate
-//! --check public` compares every field and signature, too, where rustdoc writes JSON.
+//! The stored lists of promised names (docs/compatibility.md) equal the names that the crates re-export.
+//! `.ci/regenerate --check public` compares every field and signature, too, where rustdoc writes JSON.
 
 use std::collections::BTreeSet;
 use std::fs;

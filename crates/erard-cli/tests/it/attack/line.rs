@@ -123,7 +123,7 @@ impl Line {
     }
 
     /// Every option of every command with every hostile value, as the program describes itself, and every name of the
-    /// register with every number: the lines in order, with what is tried in each.
+    /// register with every number: the lines in order, each with a word on its trial.
     pub fn swept() -> Vec<(String, Self)> {
         let mut program = erard_cli::command::definition();
         program.build();

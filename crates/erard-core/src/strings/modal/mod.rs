@@ -208,9 +208,9 @@ impl Strings {
         let all_of = |direction: usize| (0..counts[direction].len()).map(|string| blocks_of(direction, string)).sum();
         self.vertical = all_of(0);
         let horizontal: usize = all_of(1);
+        let vertical = self.vertical;
         let first_of = |direction: usize, string: usize| {
-            let before: usize = (0..string).map(|string| blocks_of(direction, string)).sum();
-            before + direction * (0..counts[0].len()).map(|string| blocks_of(0, string)).sum::<usize>()
+            direction * vertical + (0..string).map(|string| blocks_of(direction, string)).sum::<usize>()
         };
         (self.modes, self.blocks) = (Vec::new(), vec![Block::default(); self.vertical + horizontal]);
         (self.beyond_m_per_n, self.static_m_per_n, self.compliance_m_per_n) =
