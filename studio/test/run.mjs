@@ -21,6 +21,7 @@ import { gallery } from "./gallery.mjs";
 import { terms } from "./terms.mjs";
 import { typed } from "./typed.mjs";
 import * as reader from "./reader.mjs";
+import * as sound from "./sound.mjs";
 import * as story from "./story.mjs";
 import * as claims from "./claims.mjs";
 
@@ -54,7 +55,9 @@ const tests = {
   compare: bench.compare,
   keyboard: bench.keyboard,
   "strings of a chord": bench.strung,
-  ...(process.env.ERARD ? { diagnose } : {}),
+  ...(process.env.ERARD ? { diagnose, "a note is heard": sound.note, "the audio thread": sound.offline } : {}),
+  "keys are heard": sound.live,
+  "blocks of sound": sound.blocks,
   "the gallery": gallery,
   "terms in three languages": terms,
   "rough edges": edges,
@@ -67,7 +70,7 @@ const tests = {
 };
 
 /** Tests of time, and hands that move in milliseconds, have the machine for themselves. */
-const ALONE = new Set(["the story, step by step", "first picture", "a stranger's path", "the pedal", "keyboard", "strings of a chord", "rough edges", "screenshots", "random playing"]);
+const ALONE = new Set(["the story, step by step", "first picture", "a stranger's path", "the pedal", "keyboard", "strings of a chord", "keys are heard", "blocks of sound", "rough edges", "screenshots", "random playing"]);
 if (asked.shots) mkdirSync(asked.shots, { recursive: true });
 if (!process.env.ERARD) console.log("not run: bits, parquet and diagnose, for ERARD names no command");
 const names = Object.keys(tests).filter((name) => !asked.only || name.includes(asked.only));

@@ -44,6 +44,7 @@ export interface Exports {
   erard_action_string_places(action: number, places: number, count: number): number;
   erard_action_string_shape(action: number, shape: number, count: number): number;
   erard_action_set_pedal(action: number, lift: number): number;
+  erard_action_bridge_force(action: number, force: number): number;
   erard_action_save(action: number, bytes: number, size: number): number;
   erard_action_restore(action: number, bytes: number, size: number): number;
   erard_action_is_asleep(action: number): number;
@@ -81,6 +82,12 @@ export interface Exports {
 /** The version of the C interface that this page was written for. */
 const ABI = 1;
 
+/** UTF-8, also where there are no coders for it: in an AudioWorklet. */
+const text = (utf8: Uint8Array): string =>
+  typeof TextDecoder === "function" ? new TextDecoder().decode(utf8) : decodeURIComponent(Array.from(utf8, (byte) => `%${byte.toString(16).padStart(2, "0")}`).join(""));
+const utf8 = (text: string): Uint8Array =>
+  typeof TextEncoder === "function" ? new TextEncoder().encode(text) : Uint8Array.from(encodeURIComponent(text).match(/%..|./gs) ?? [], (one) => (one.length > 1 ? Number.parseInt(one.slice(1), 16) : one.charCodeAt(0)));
+
 /** What the library says went wrong: a line for people. */
 export class LibraryError extends Error {
   override name = "LibraryError";
@@ -93,14 +100,16 @@ export class Library {
   private words = new Uint32Array();
   private singles = new Float32Array();
 
-  private constructor(readonly raw: Exports) {}
+  readonly raw: Exports;
 
   /** A library of its own: nothing is shared with another one of the same module. */
   static async open(module: WebAssembly.Module): Promise<Library> {
-    const { exports } = await WebAssembly.instantiate(module, {});
-    const library = new Library(exports as unknown as Exports);
-    if (library.raw.erard_abi() !== ABI) throw new LibraryError("the library is of another version than the page");
-    return library;
+    return new Library(await WebAssembly.instantiate(module, {}));
+  }
+
+  constructor({ exports }: WebAssembly.Instance) {
+    this.raw = exports as unknown as Exports;
+    if (this.raw.erard_abi() !== ABI) throw new LibraryError("the library is of another version than the page");
   }
 
   /** Its memory as bytes, doubles and words. It moves when it grows: ask anew after every call that may allocate. */
@@ -160,7 +169,7 @@ export class Library {
   /** A text that stays the library's. */
   textAt(address: number): string {
     this.look();
-    return new TextDecoder().decode(this.all.slice(address, this.all.indexOf(0, address)));
+    return text(this.all.slice(address, this.all.indexOf(0, address)));
   }
 
   /** A text of the library, given back to it; its error where there is none. */
@@ -188,14 +197,14 @@ export class Library {
 
   /** Passes a text, ended by a zero, to a call. */
   given<T>(text: string, call: (address: number, length: number) => T): T {
-    const utf8 = new TextEncoder().encode(text);
-    const address = this.raw.erard_memory_new(utf8.length + 1);
+    const bytes = utf8(text);
+    const address = this.raw.erard_memory_new(bytes.length + 1);
     if (address === 0) throw new LibraryError("there is no memory left");
     try {
-      this.bytes(address, utf8.length).set(utf8);
-      return call(address, utf8.length);
+      this.bytes(address, bytes.length).set(bytes);
+      return call(address, bytes.length);
     } finally {
-      this.raw.erard_memory_free(address, utf8.length + 1);
+      this.raw.erard_memory_free(address, bytes.length + 1);
     }
   }
 

@@ -1,5 +1,5 @@
 // The player: one or two actions under one finger, on a clock that whoever owns the player moves on. A worker moves it
-// with the page's frames; an AudioWorklet would move it with blocks of samples. No messages, no page and no timer here.
+// with the page's frames. No messages, no page and no timer here.
 import type { Library } from "./library";
 import { LibraryError } from "./library";
 import { type Drive, Played, STEP_S } from "./played";

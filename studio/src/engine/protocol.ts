@@ -199,6 +199,7 @@ export type Task =
   | { kind: "check"; text: string }
   | { kind: "columns"; titles: string[] }
   | { kind: "run"; text: string; stroke: Stroke }
+  | { kind: "sound"; text: string; stroke: Stroke; seconds: number }
   | { kind: "try"; text: string }
   | { kind: "measure"; text: string; lines: string }
   | { kind: "regulate"; text: string }
@@ -218,24 +219,51 @@ export interface KeyImpact {
   at_s: number | null;
 }
 
+/** How the keyboard stands, and the impacts since it was last asked. */
+export interface Stand {
+  key_m: Float32Array<ArrayBuffer>;
+  hammer_rise_m: Float32Array<ArrayBuffer>;
+  finger_force_n: Float32Array<ArrayBuffer>;
+  impacts: KeyImpact[];
+  /** How far the passage is, s from its beginning; null where there was none. */
+  passage_s: number | null;
+  awake: number;
+  shown: { key: number; angles: Float32Array<ArrayBuffer> } | null;
+}
+
+/** Force on the bridge, N, that is a full scale of sound, the same for all keys: three keys struck as loud as can be
+ * reach it together. */
+export const FULL_SCALE_N = 150;
+/** Length of a step where strings are heard, s. */
+export const SOUND_STEP_S = 1 / 24e3;
+
 /** How keys of a built-in keyboard are pressed: key, from 1, and force, N, 0 lets go; and of the key that is shown,
  * where the far end of a fingertip on it is, m (null: lifted). The pedal: lift of its rail, m. */
 export type ToKeys =
-  | { kind: "open"; module: WebAssembly.Module; name: string }
+  | { kind: "open"; module: WebAssembly.Module; name: string; step_s: number }
   | { kind: "show"; key: number }
   | { kind: "pedal"; lift_m: number }
   /** Forces on keys, in the order of time: when, s from now, which key, and the force, N; 0 lets it go. */
   | { kind: "passage"; turns: [number, number, number][] }
   | { kind: "frame"; wall_ms: number; forces: [number, number][]; finger_m: number | null };
+/** What was sent to the loudspeaker since the frame before. */
+export interface Heard {
+  /** Largest sample, of a full scale of 1, and samples that were beyond it. */
+  peak: number;
+  clipped: number;
+  /** Since the beginning: how often the sound broke off, and for how long in all, s. */
+  dropouts: number;
+  lost_s: number;
+}
 export type FromKeys =
-  | { kind: "ready"; keys: number; took_ms: number }
+  /** `step_s`: length of a step, s. */
+  | { kind: "ready"; keys: number; step_s: number; took_ms: number }
   | { kind: "shown"; key: number; scene: Scene }
-  | {
-      kind: "frame"; wall_ms: number; key_m: Float32Array; hammer_rise_m: Float32Array; finger_force_n: Float32Array; impacts: KeyImpact[];
-      /** How far the passage is, s from its beginning; null where there was none. */
-      passage_s: number | null;
-      awake: number; steps: number; cost_ms: number; late_s: number; shown: { key: number; angles: Float32Array } | null;
+  | (Stand & {
+      kind: "frame"; wall_ms: number; steps: number; cost_ms: number; late_s: number;
       /** Force of all strings on the bridge after each step of the frame, N; none where no strings sound. */
       bridge_n: Float32Array;
-    }
+      /** Null where it is not heard. */
+      sound: Heard | null;
+    })
   | { kind: "fault"; message: string };

@@ -1,10 +1,34 @@
 // A worker for what takes its time: files checked, sheets measured, screws turned. The player never waits for it.
 import { Library, LibraryError } from "./library";
 import { STEP_S } from "./played";
-import type { FromWorkshop, Task, ToWorkshop } from "./protocol";
+import { type FromWorkshop, SOUND_STEP_S, type Stroke, type Task, type ToWorkshop } from "./protocol";
 
 let library: Library;
 const say = (message: FromWorkshop) => postMessage(message);
+
+/** What the strings of a note do to the bridge: the force less that at rest, N, after each step; nothing where strings
+ * are rigid. */
+const sound = (instrument: number, of: Stroke, seconds: number): Float32Array<ArrayBuffer> => {
+  const { raw } = library;
+  const action = library.made(raw.erard_action_of_instrument(instrument, SOUND_STEP_S, 0)), place = raw.erard_memory_new(8);
+  const stroke = library.stroke(instrument, of);
+  const bridge_n = (): number => {
+    library.done(raw.erard_action_bridge_force(action, place));
+    return library.f64(place, 1)[0]!;
+  };
+  try {
+    if (!raw.erard_action_string_places(action, 0, 0)) return new Float32Array();
+    const rest_n = bridge_n();
+    return Float32Array.from({ length: Math.round(seconds / SOUND_STEP_S) }, () => {
+      library.done(raw.erard_action_step_stroke(action, stroke, 0));
+      return bridge_n() - rest_n;
+    });
+  } finally {
+    raw.erard_stroke_free(stroke);
+    raw.erard_memory_free(place, 8);
+    raw.erard_action_free(action);
+  }
+};
 
 const answer = (task: Task): unknown => {
   const { raw } = library;
@@ -63,6 +87,8 @@ const answer = (task: Task): unknown => {
           raw.erard_stroke_free(stroke);
         }
       });
+    case "sound":
+      return library.withInstrument(task.text, (instrument) => sound(instrument, task.stroke, task.seconds));
     case "try":
       return library.withInstrument(task.text, (instrument) => library.json(raw.erard_instrument_test_press(instrument, 0, 0)));
     case "measure":

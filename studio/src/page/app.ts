@@ -86,6 +86,9 @@ export class App {
    * left out, s. */
   readonly keysTiming: [number, number, number][] = [];
   keysLate = 0;
+  /** For tests: the notes that were heard last, N at the bridge in steps of SOUND_STEP_S. */
+  sounds: Float32Array[] = [];
+  readonly rendered = async (turns: [number, number, number][], seconds: number) => (await import("./sound")).rendered(this.engine, this.state.keyboard, turns, seconds);
 
   constructor(readonly engine: WebAssembly.Module) {
     this.bench = new Bench(engine);
@@ -615,6 +618,30 @@ export class App {
       known.catch(() => this.bases.delete(key));
     }
     return known;
+  }
+
+  /** Lets a button play the last stroke on some actions, one after the other, and says how it went. */
+  hears(button: HTMLButtonElement, said: HTMLElement, ...actions: number[]): void {
+    button.addEventListener("click", async () => {
+      button.disabled = true;
+      said.textContent = "The note is computed \u2026";
+      const { hear } = await import("./hear");
+      said.textContent = await hear(this, actions).catch((error: Error) => `No sound: ${error.message}.`);
+      button.disabled = false;
+    });
+  }
+
+  /** The file of an action whose strings sound: its own, or the built-in grand with strings and the same turns, whose
+   * name comes with it. Throws where there is none. */
+  async strung(which: number): Promise<{ text: string; instead: string | null }> {
+    const own = this.loaded[which];
+    if (!own) throw new Error("nothing is loaded");
+    if (this.scenes[which]?.string) return { text: own.text, instead: null };
+    const { base, turns } = own.setting, instead = `${FIRST.keyboard}-strings`;
+    const other: Base | null = "builtin" in base && base.builtin === FIRST.keyboard ? { builtin: instead } : "key" in base && base.keyboard === FIRST.keyboard ? { key: base.key, keyboard: instead } : null;
+    if (!other) throw new Error(`the string of ${this.title(which)} is rigid, and does not sound; those of ${instead} do`);
+    const { text } = await this.base(other);
+    return { text: Object.keys(turns).length ? await this.bench.ask<string>({ kind: "turned", text, turns }) : text, instead };
   }
 
   private async load(): Promise<boolean> {

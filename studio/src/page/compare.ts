@@ -13,12 +13,14 @@ export const comparePanel = (app: App, into: HTMLElement): void => {
   named(swap, "compare.swap");
   const copy = h("button", { type: "button", id: "copy", onclick: () => void app.change({ b: structuredClone(app.state.a) }) });
   named(copy, "compare.copy");
+  const listen = named(h("button", { type: "button", id: "hear-both" }), "compare.hear"), said = h("p", { class: "soft", id: "hear-both-said", role: "status" });
+  app.hears(listen, said, 0, 1);
   const numbers = h("table", { class: "sheet", id: "differences" });
   const sliders = h("div", { class: "dials" });
   const dials = new Dials(app, 1, sliders);
   const sheets = [new Sheet(app, 0, "compare-a", "A"), new Sheet(app, 1, "compare-b", "B")];
   const two = h("div", { class: "columns" }, ...sheets.map(({ table }) => h("div", { class: "sheet-place" }, table)));
-  const more = h("div", {}, h("div", { class: "row" }, swap, h("label", {}, difference, " ", named(h("span"), "compare.difference"))), numbers, named(h("h2"), "compare.sheets"), two, named(h("h2"), "compare.turn"), sliders);
+  const more = h("div", {}, h("div", { class: "row" }, swap, h("label", {}, difference, " ", named(h("span"), "compare.difference")), listen), said, numbers, named(h("h2"), "compare.sheets"), two, named(h("h2"), "compare.turn"), sliders);
   select.addEventListener("change", () => {
     if (select.value === "") void app.change({ b: null, beside: false });
     else if (select.value !== "own") void app.setBase(1, { builtin: select.value });

@@ -1,11 +1,13 @@
 // The keyboard: 88 actions of one piano, each with its own hammer, leads and dampers, under ten fingers.
 import uPlot from "uplot";
-import type { FromKeys, KeyImpact, Scene } from "../engine/protocol";
+import { STEP_S } from "../engine/played";
+import type { FromKeys, Heard, KeyImpact, Scene } from "../engine/protocol";
 import type { App } from "./app";
 import { fixed, h, say } from "./dom";
 import { PASSAGE, passage } from "./examples";
 import { Picture } from "./picture";
 import { PEDAL_MM } from "./play";
+import type { Speaker } from "./sound";
 import { FIRST } from "./state";
 import { called, named, onlanguage, speaks } from "./terms";
 
@@ -28,7 +30,9 @@ const HIGHEST_M = 0.005, DEEPEST_M = 0.0115;
 const KEYS = 88;
 
 /** What the bridge's curve shows, s, and in so many points: the least and the greatest force of each hundredth. */
-const HEARD_S = 0.5, STEP_S = 50e-6, HEARD = Math.round(HEARD_S / STEP_S), POINTS = 500;
+const HEARD_S = 0.5, POINTS = 500;
+/** What is left of the meter's level from frame to frame. */
+const FALLS = 0.9;
 
 type Frame = Extract<FromKeys, { kind: "frame" }>;
 
@@ -51,10 +55,16 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   const level = h("output", { id: "bridge-level" });
   const piano = h("select", { id: "which-keyboard", "aria-label": "Keyboard" });
   const pedal = h("input", { type: "checkbox", id: "keys-pedal" });
-  const sounding = h("div", { class: "row", hidden: true }, h("label", {}, pedal, " ", named(h("span"), "keyboard.pedal")), level);
-  let worker: Worker | null = null;
-  /** The keyboard that the worker has. */
-  let opened = "";
+  const sound = named(h("button", { type: "button", id: "sound", "aria-pressed": "false" }), "keyboard.sound");
+  const meter = h("meter", { id: "sound-level", min: 0, max: 1, high: 0.9, hidden: true, "aria-label": "Loudness" });
+  const sound_said = h("p", { class: "soft", id: "sound-said", role: "status" });
+  const sounding = h("div", { class: "row", hidden: true }, h("label", {}, pedal, " ", named(h("span"), "keyboard.pedal")), sound, meter, level);
+  /** Who plays: a worker, or the audio thread. */
+  let engine: Speaker | null = null;
+  /** Whether it is heard. */
+  let aloud = false;
+  /** The keyboard that it has, and the length of its steps, s. */
+  let opened = "", step_s = STEP_S;
   let ready = false, waiting = false, late_s = 0;
   let frame: Frame | null = null;
   let key = MIDDLE_C;
@@ -74,7 +84,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     score.textContent = "";
     row.replaceChildren(...PASSAGE.keys.map((one) => h("li", {}, nameOf(one))));
     choose(PASSAGE.keys[0]!, false);
-    worker!.postMessage({ kind: "passage", turns: passage() });
+    engine!.tell({ kind: "passage", turns: passage() });
   };
   app.onpassage = perform;
   /** What a frame brought of the passage: which of its notes have sounded, and, once it is over, which have not. */
@@ -95,37 +105,63 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
 
   /** The keyboard that the state names, if there is one of that name. */
   const wanted = () => (app.keyboards.includes(app.state.keyboard) ? app.state.keyboard : FIRST.keyboard);
+  /** Which start this is: what an older one still says counts no more. */
+  let starts = 0;
   const start = async () => {
-    if (worker) return;
-    worker = new Worker(new URL("../engine/keys.worker.ts", import.meta.url), { type: "module" });
-    worker.onmessage = ({ data }: MessageEvent<FromKeys>) => {
-      if (data.kind === "ready") {
-        ready = true;
-        told.textContent = "";
-        look();
-        if (asked_for) perform();
-      } else if (data.kind === "shown") {
-        if (data.key !== key) return;
-        scene = data.scene;
-        sounding.hidden = heard.hidden = scene.string === null;
-        picture.show([{ index: 0, scene }], false, drawn > 0);
-        drawn = data.key;
-      } else if (data.kind === "fault") {
-        ready = false;
-        told.textContent = `The keyboard has stopped: ${data.message}.`;
-        told.append(" ", h("button", { type: "button", onclick: () => restart() }, "Start it again"));
-      } else take(data);
-    };
+    if (engine || starting) return;
+    starting = true;
+    const own = ++starts;
+    const hears = (data: FromKeys) => own === starts && got(data);
     opened = wanted();
-    worker.postMessage({ kind: "open", module: app.engine, name: opened });
+    try {
+      if (aloud) {
+        const made = await (await import("./sound")).speaker(app.engine, opened, hears);
+        if (own !== starts) return made.end();
+        engine = made;
+      }
+    } catch (error) {
+      if (own !== starts) return;
+      aloud = false;
+      sound_said.textContent = `No sound: ${(error as Error).message}.`;
+    }
+    if (!engine) {
+      const worker = new Worker(new URL("../engine/keys.worker.ts", import.meta.url), { type: "module" });
+      worker.onmessage = ({ data }: MessageEvent<FromKeys>) => hears(data);
+      engine = { tell: (message) => worker.postMessage(message), end: () => worker.terminate() };
+      engine.tell({ kind: "open", module: app.engine, name: opened, step_s: STEP_S });
+    }
+    starting = false;
+    sound.setAttribute("aria-pressed", String(aloud));
     if (pedal.checked) lift();
   };
-  const lift = () => worker?.postMessage({ kind: "pedal", lift_m: pedal.checked ? PEDAL_MM / 1e3 : 0 });
+  let starting = false;
+  const got = (data: FromKeys) => {
+    if (data.kind === "ready") {
+      ready = true;
+      step_s = data.step_s;
+      rang = new Float64Array(Math.round(HEARD_S / step_s));
+      told.textContent = "";
+      look();
+      if (asked_for) perform();
+    } else if (data.kind === "shown") {
+      if (data.key !== key) return;
+      scene = data.scene;
+      sounding.hidden = heard.hidden = scene.string === null;
+      picture.show([{ index: 0, scene }], false, drawn > 0);
+      drawn = data.key;
+    } else if (data.kind === "fault") {
+      ready = false;
+      told.textContent = `The keyboard has stopped: ${data.message}.`;
+      told.append(" ", h("button", { type: "button", onclick: () => restart() }, "Start it again"));
+    } else take(data);
+  };
+  const lift = () => engine?.tell({ kind: "pedal", lift_m: pedal.checked ? PEDAL_MM / 1e3 : 0 });
   pedal.addEventListener("change", lift);
-  const restart = () => {
-    worker?.terminate();
-    worker = null;
-    ready = waiting = false;
+  const stop = () => {
+    engine?.end();
+    engine = null;
+    starts += 1;
+    starting = ready = waiting = false;
     asked = 0;
     finger_m = null;
     sounded = null;
@@ -135,14 +171,34 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     rang.fill(0);
     held.clear();
     changed.clear();
+    meter.hidden = true;
+    loud = 0;
+    sound.setAttribute("aria-pressed", "false");
     told.textContent = "The 88 actions are getting ready \u2026";
+  };
+  const restart = () => {
+    stop();
     void start();
   };
+  sound.addEventListener("click", () => {
+    aloud = !aloud;
+    sound_said.textContent = "";
+    restart();
+  });
+  /** What the loudspeaker got: how loud, and whether it broke off. */
+  const tell = ({ peak, clipped, dropouts, lost_s }: Heard) => {
+    meter.hidden = false;
+    meter.value = Math.max(Math.min(peak, 1), FALLS * meter.value);
+    if (clipped) loud += clipped;
+    const text = `Heard: the strings\u2019 force on the bridge, without a soundboard; ${dropouts ? `${dropouts} drop-${dropouts === 1 ? "out" : "outs"}, ${fixed(lost_s, 1)} s` : "no drop-outs"}${loud ? `; ${loud} samples were too loud` : ""}.`;
+    if (sound_said.textContent !== text) sound_said.textContent = text;
+  };
+  let loud = 0;
   const look = () => {
     if (!ready || asked === key) return;
     asked = key;
     finger_m = null;
-    worker!.postMessage({ kind: "show", key });
+    engine!.tell({ kind: "show", key });
   };
   const take = (data: Frame) => {
     waiting = false;
@@ -168,21 +224,22 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     while (list.children.length > 12) list.lastChild!.remove();
     if (data.steps > 0) app.keysTiming.push([data.cost_ms, data.steps, data.awake]);
     if (app.keysTiming.length > 5000) app.keysTiming.splice(0, 2500);
-    const load = data.steps ? (data.cost_ms / (data.steps * 0.05)) * 100 : 0;
+    const load = data.steps ? (data.cost_ms / (1e3 * data.steps * step_s)) * 100 : 0;
     told.textContent = data.awake ? `${data.awake} ${data.awake === 1 ? "key" : "keys"} awake, ${fixed(load, 0)} % of real time${late_s > 0.05 ? `; ${fixed(late_s, 1)} s were left out, for this machine was busy` : ""}` : held.size ? `${held.size} ${held.size === 1 ? "key is" : "keys are"} held, and still: nothing is computed.` : "All keys rest, and cost nothing.";
     if (data.bridge_n.length) hear(data.bridge_n);
+    if (data.sound) tell(data.sound);
     draw();
   };
 
   // ------------------------------------------------------------------------------------------------------- the bridge
   /** The force after each of the last steps, N, oldest first. */
-  const rang = new Float64Array(HEARD);
+  let rang = new Float64Array();
   let plot: uPlot | null = null, inks = "";
   onlanguage.push(() => (inks = ""));
   const hear = (forces: Float32Array) => {
-    const kept = Math.min(forces.length, HEARD);
+    const all = rang.length, kept = Math.min(forces.length, all);
     rang.copyWithin(0, kept);
-    rang.set(forces.subarray(forces.length - kept), HEARD - kept);
+    rang.set(forces.subarray(forces.length - kept), all - kept);
     const style = getComputedStyle(heard);
     const ink = (name: string) => style.getPropertyValue(name).trim();
     if (!plot || inks !== ink("--curve-hammer")) {
@@ -198,11 +255,11 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
       }, [[], []], heard);
     }
     // Of each stretch the least and the greatest: nothing that sounds falls between two points.
-    const each = (2 * HEARD) / POINTS, times = new Float64Array(POINTS), values = new Float64Array(POINTS);
+    const each = (2 * all) / POINTS, times = new Float64Array(POINTS), values = new Float64Array(POINTS);
     for (let n = 0; n < POINTS; n += 2) {
       const part = rang.subarray((n / 2) * each, (n / 2 + 1) * each);
       [values[n], values[n + 1]] = [Math.min(...part), Math.max(...part)];
-      [times[n], times[n + 1]] = [0.25, 0.75].map((share) => 1e3 * STEP_S * ((n / 2 + share) * each - HEARD)) as [number, number];
+      [times[n], times[n + 1]] = [0.25, 0.75].map((share) => 1e3 * step_s * ((n / 2 + share) * each - all)) as [number, number];
     }
     plot.setData([times, values] as unknown as uPlot.AlignedData);
     const loudest = Math.max(...values.subarray(-POINTS / 10)), least = Math.min(...values.subarray(-POINTS / 10));
@@ -380,6 +437,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     octaves,
     told,
     sounding,
+    sound_said,
     heard,
     named(h("h2"), "keyboard.impacts"),
     list,
@@ -390,7 +448,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     if (app.state.tab === "keyboard") {
       if (ready && !waiting) {
         waiting = true;
-        worker!.postMessage({ kind: "frame", wall_ms: now, forces: [...changed], finger_m });
+        engine!.tell({ kind: "frame", wall_ms: now, forces: [...changed], finger_m });
         changed = new Map();
       }
     }
@@ -399,10 +457,18 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
   requestAnimationFrame(tick);
   new ResizeObserver(draw).observe(canvas);
   app.onchange.push(() => {
-    if (app.state.tab !== "keyboard") return;
+    if (app.state.tab !== "keyboard") {
+      // Nobody plays what is not seen.
+      if (aloud) {
+        aloud = false;
+        sound_said.textContent = "";
+        stop();
+      }
+      return;
+    }
     if (piano.options.length !== app.keyboards.length) piano.replaceChildren(...app.keyboards.map((name) => new Option(name, name)));
     piano.value = wanted();
-    if (worker && opened !== wanted()) restart();
+    if (engine && opened !== wanted()) restart();
     else void start();
     draw();
   });

@@ -70,6 +70,8 @@ export const playPanel = (app: App, into: HTMLElement): void => {
     }
     saved.disabled = false;
   });
+  const listen = named(h("button", { type: "button", id: "hear" }), "play.hear"), said = h("p", { class: "soft", id: "hear-said", role: "status" });
+  app.hears(listen, said, 0);
   const recorded = h("p", { class: "soft", id: "recorded" });
   const done = h("ul", { class: "soft", id: "made-ready" });
   let kept: { csv: string; name: string; rows?: boolean } | null = null;
@@ -122,7 +124,8 @@ export const playPanel = (app: App, into: HTMLElement): void => {
     named(h("h2"), "play.strokes"),
     h("p", { class: "soft" }, "Each is played from rest, by the hand and the fingertip of ", h("kbd", {}, "erard press"), ", and gives the numbers of that command."),
     strokes,
-    h("div", { class: "row" }, saved),
+    h("div", { class: "row" }, saved, listen),
+    said,
     named(h("h2"), "play.recording"),
     h("p", { class: "soft" }, "A CSV or Parquet file with a column for the time and one for force or position (a run.csv is one), dropped onto the page or opened here. It is prepared as by the command: its zero is the rest before the touch."),
     h("div", { class: "row" }, named(h("button", { type: "button", onclick: () => choose.click() }), "play.open"), again, choose),
