@@ -1,5 +1,5 @@
-// What is heard: notes that the workshop renders, beside the command's; a keyboard in the audio thread, rendered offline,
-// beside the command's; the same keyboard by its own button; what blocks of samples cost.
+// What is heard: notes that the workshop renders, beside the command's; a keyboard in the audio thread, rendered
+// offline, beside the command's; the same keyboard by its own button; what blocks of samples cost.
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -39,7 +39,8 @@ export const note = async ({ visit }) => {
   const theirs = bridge("--instrument", "concert-grand-strings", "--stroke", "f");
   assert(theirs.length > 5000 && peak(theirs) > 10, `${theirs.length} rows`);
   const compared = Math.min(theirs.length - 1, own.notes[0].length);
-  // In steps that are halved near the strings, `press` asks the hand at each part, an action that is stepped once: 1e-7.
+  // In steps that are halved near the strings, `press` asks the hand at each part, an action that is stepped once:
+  // 1e-7.
   const most = 1e-6 * peak(theirs);
   for (let n = 0; n < compared; n++) {
     assert(Math.abs(own.notes[0][n] - theirs[n + 1]) < most, `sample ${n} of ${compared}: ${own.notes[0][n]} and ${theirs[n + 1]} N`);

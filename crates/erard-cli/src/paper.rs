@@ -69,7 +69,7 @@ fn html_head(title: &str, style: &str) -> Markup {
         head {
             meta charset="utf-8";
             meta http-equiv="Content-Security-Policy"
-                content="default-src 'none'; style-src 'unsafe-inline'; img-src data:";
+                content="default-src 'none'; style-src 'unsafe-inline'; img-src data:; media-src 'self' file:";
             meta name="viewport" content="width=device-width, initial-scale=1";
             title { (title) }
             style { (PreEscaped(HOUSE_STYLE)) (PreEscaped(style)) }

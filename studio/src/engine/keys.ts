@@ -1,5 +1,5 @@
-// A whole keyboard: 88 actions, those at rest free of cost. Whoever owns it moves its clock on: a worker with the page's
-// frames, an AudioWorklet with blocks of samples. No messages, no page and no timer here.
+// A whole keyboard: 88 actions, those at rest free of cost. Whoever owns it moves its clock on: a worker with the
+// page's frames, an AudioWorklet with blocks of samples. No messages, no page and no timer here.
 import { type Library, LibraryError } from "./library";
 import { READING_BYTES } from "./played";
 import type { KeyImpact, Scene, Stand } from "./protocol";

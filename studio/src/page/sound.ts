@@ -1,5 +1,5 @@
-// Sound: a keyboard in the browser's audio thread, notes rendered before they are heard, and why there is silence. Loaded
-// when it is asked for.
+// Sound: a keyboard in the browser's audio thread, notes rendered before they are heard, and why there is silence.
+// Loaded when it is asked for.
 import { type FromKeys, FULL_SCALE_N, SOUND_STEP_S, type ToKeys } from "../engine/protocol";
 import type { Options } from "../engine/sound.worklet";
 import worklet from "../engine/sound.worklet.ts?worker&url";
@@ -50,7 +50,8 @@ export const speaker = async (module: WebAssembly.Module, name: string, hear: (m
   }
 };
 
-/** For tests: a passage as the audio thread plays it, faster than it is heard: samples at 48 kHz of a full scale of 1. */
+/** For tests: a passage as the audio thread plays it, faster than it is heard: samples at 48 kHz of a full scale of
+ * 1. */
 export const rendered = async (module: WebAssembly.Module, name: string, turns: [number, number, number][], seconds: number): Promise<Float32Array> => {
   const context = new OfflineAudioContext(1, Math.round(seconds * RATE_HZ), RATE_HZ);
   await keysNode(context, { module, name, turns });

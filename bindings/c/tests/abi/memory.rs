@@ -89,6 +89,6 @@ fn pages_reserve_as_much_as_the_structures_take() {
     says("bindings/c/examples/note.mjs", format!("READING_BYTES = {reading};"));
     says("studio/src/engine/played.ts", format!("EVENTS_BYTES = {events};"));
     says("studio/src/engine/played.ts", format!("READING_BYTES = {reading};"));
-    says("studio/src/engine/keys.worker.ts", format!("INPUT_BYTES = {input};"));
-    says("studio/src/engine/keys.worker.ts", format!("IMPACT_BYTES = {impact};"));
+    says("studio/src/engine/keys.ts", format!("INPUT_BYTES = {input};"));
+    says("studio/src/engine/keys.ts", format!("IMPACT_BYTES = {impact};"));
 }

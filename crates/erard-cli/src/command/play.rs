@@ -26,6 +26,8 @@ use crate::play::spool::Spools;
 use crate::play::{Played, Side, page, report};
 use crate::print_line;
 use crate::session::Session;
+use crate::warn;
+use crate::wav::{Gain, limited};
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/play.txt");
@@ -61,10 +63,13 @@ pub(crate) struct Play {
     #[arg(long, value_name = "MS", default_value_t = 1.0, value_parser = between(Quantity::Time, "ms", 0.05, 1000.0), allow_hyphen_values = true)]
     record_interval: f64,
     /// Also write the force of all strings on the bridge as sound, NAME.wav in the output folder. Needs modal strings.
-    /// 48 kHz, 16 bit, peak at 0.9 of full scale. There is no soundboard: it does not sound like a piano. Steps are
-    /// then 1/48000 s [default: play.wav]
+    /// 48 kHz, 16 bit; full scale is 150 N for all notes. There is no soundboard: it does not sound like a piano. Steps
+    /// are then 1/48000 s [default: play.wav]
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "play.wav", value_parser = wav_name)]
     wav: Option<String>,
+    /// With --wav: scale the sound so that its peak is at 0.9 of full scale
+    #[arg(long, requires = "wav")]
+    wav_peak: bool,
     /// Number of notes to show in slow motion, faulty ones first
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = whole::<u16>(0, 500), allow_negative_numbers = true)]
     slow_motion: u16,
@@ -100,6 +105,9 @@ impl Play {
         output.text(session, "play.html", &page::html(&played))?;
         let written = output.commit(session)?;
         self.tell(session, &played);
+        for (file, beyond) in played.sides.iter().filter_map(|side| side.heard.as_ref()) {
+            limited(file, *beyond).into_iter().for_each(|line| warn!(session, "{line}"));
+        }
         Ok(Answer::of(&summary)?.end(session, &written))
     }
 
@@ -152,13 +160,18 @@ impl Play {
         let (rows, sound) = spools.rows_and_sound();
         let made_by = session.provenance.made_by();
         output.stage(session, &format!("actions{mark}.parquet"), |w| rows.write(&made_by, w))?;
+        let mut heard = None;
         if let Some(name) = &self.wav {
-            let mixed = file().and_then(|file| sound.mix(file)).map_err(|e| Failure::write(self.out.folder(), e))?;
-            let stem = &name[..name.len() - ".wav".len()];
-            output.stage(session, &format!("{stem}{mark}.wav"), |w| mixed.write_wav(file()?, w))?;
+            let gain = Gain::new(self.wav_peak);
+            let mixed =
+                file().and_then(|file| sound.mix(file, gain)).map_err(|e| Failure::write(self.out.folder(), e))?;
+            let name = format!("{}{mark}.wav", &name[..name.len() - ".wav".len()]);
+            let beyond = mixed.limited;
+            output.stage(session, &name, |w| mixed.write_wav(gain, file()?, w))?;
+            heard = Some((name, beyond));
         }
         let pages = self.slow_motions(session, &instruments, &performance, mark, output)?;
-        let side = Side { name: keyboard.name.clone(), performance, elapsed_s, pages };
+        let side = Side { name: keyboard.name.clone(), performance, elapsed_s, pages, heard };
         output.table(session, &format!("notes{mark}.csv"), &report::table(&side))?;
         Ok(side)
     }

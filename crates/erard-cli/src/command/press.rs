@@ -27,6 +27,7 @@ use crate::spectrogram::spectrogram_picture;
 use crate::summary::{MEASURES, Measure, Summary, headlines, value};
 use crate::table::Table;
 use crate::warn;
+use crate::wav::{Gain, limited};
 use erard_figures::figure::run_picture;
 use erard_figures::page::{Shown, page_html};
 use erard_workshop::compare::{ForceUncertainty, PathNoise};
@@ -66,10 +67,13 @@ pub(crate) struct Press {
     #[arg(long)]
     losses: bool,
     /// Write the strings' force on the bridge as sound, NAME.wav in the output folder, and its spectrogram (SVG and
-    /// PNG). Needs modal strings. 48 kHz, 16 bit, peak at 0.9 of full scale. There is no soundboard: it does not sound
-    /// like a piano. The note is simulated again for it in steps of 1/96000 s [default: note.wav]
+    /// PNG). Needs modal strings. 48 kHz, 16 bit; full scale is 150 N for all notes. There is no soundboard: it does
+    /// not sound like a piano. The note is simulated again for it in steps of 1/96000 s [default: note.wav]
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "note.wav", value_parser = wav_name)]
     wav: Option<String>,
+    /// With --wav: scale the sound so that its peak is at 0.9 of full scale
+    #[arg(long, requires = "wav")]
+    wav_peak: bool,
     /// Sustain pedal, as the lift of its rail: held (7mm), or moved in straight lines between instants of the stroke
     /// (0s=0mm,0.2s=7mm,1s=0mm); without a unit mm and s. For instruments with modal strings [default: up]
     #[arg(long, value_name = "LIFT", allow_hyphen_values = true, default_value = "0mm", hide_default_value = true)]
@@ -148,7 +152,7 @@ impl Press {
 
         let picture = run_picture(&run, &stroke.title);
         let pins = inside.reactions.map(ReactionRecorder::into_series).unwrap_or_default();
-        let shown_run = Shown { pins: &pins, changed, ..Shown::new(instrument, &run) };
+        let shown_run = Shown { pins: &pins, changed, sound: self.wav.as_deref(), ..Shown::new(instrument, &run) };
         let page = page_html(&shown_run, &stroke.title, &summary.lines());
         let table = Table::of_run(&run, inside::columns(&pins));
         output.table(session, "run.csv", &table)?;
@@ -159,12 +163,13 @@ impl Press {
         if self.reactions {
             output.figure(session, "reactions", &reactions_picture(&run, &title, &pins))?;
         }
+        let gain = Gain::new(self.wav_peak);
         let sound = match &self.wav {
             Some(name) => listen(session, instrument, &stroke, &setup)?.map(|sound| (name, sound)),
             None => None,
         };
         if let Some((name, sound)) = &sound {
-            output.stage(session, name, |w| crate::wav::write(sound, w))?;
+            output.stage(session, name, |w| crate::wav::write(sound, gain, w))?;
             output.figure(session, "spectrogram", &spectrogram_picture(&sound.bridge_n, f64::from(RATE_HZ), &title))?;
         }
         let mut lost = None;
@@ -191,7 +196,10 @@ impl Press {
             answer = answer.with("losses", report)?;
         }
         if let Some((name, sound)) = &sound {
-            answer = answer.with("sound", &json!({"file": name, "peak_N": sound.peak_n()}))?;
+            let beyond = sound.bridge_n.iter().filter(|n| gain.limits(**n)).count();
+            let heard = json!({"file": name, "peak_N": sound.peak_n(), "limited_samples": beyond});
+            answer = answer.with("sound", &heard)?;
+            limited(name, beyond as u64).into_iter().for_each(|line| warn!(session, "{line}"));
         }
 
         print_line!(session, "{} - {} ({driven})", run.instrument, stroke.title);

@@ -2,6 +2,7 @@
 
 use erard::keyboard::note_name;
 use erard::run::Run;
+use erard_figures::page::audio;
 use erard_figures::roll::{ROLL_STYLE, RollKind, RollNote, roll_svg};
 use erard_piece::Played as Note;
 use erard_workshop::digits::signed;
@@ -70,6 +71,7 @@ fn roll(played: &Played<'_>, side: &Side) -> Markup {
     html! {
         h2 { (side.name) }
         div.roll-frame tabindex="0" { (PreEscaped(svg)) }
+        @if let Some((file, _)) = &side.heard { (PreEscaped(audio(file))) }
     }
 }
 

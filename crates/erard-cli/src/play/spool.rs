@@ -10,6 +10,7 @@ use erard_piece::{Block, COLUMNS, RATE_HZ, Sink};
 use erard_figures::made_by::MadeBy;
 
 use crate::table::RowGroups;
+use crate::wav::Gain;
 
 /// Rows of a group in Parquet.
 const GROUP: usize = 1 << 16;
@@ -103,6 +104,8 @@ pub(crate) struct Mixed {
     pub samples: u64,
     /// Its largest force on the bridge, N.
     pub peak_n: f64,
+    /// Samples that the gain limits.
+    pub limited: u64,
 }
 
 /// One key's sound, stretch by stretch.
@@ -157,10 +160,10 @@ impl Stretches {
 
 impl Sound {
     /// Mixes all keys, second by second, in the order of the keys.
-    pub(crate) fn mix(self, file: File) -> io::Result<Mixed> {
+    pub(crate) fn mix(self, file: File, gain: Gain) -> io::Result<Mixed> {
         let mut keys = self.0.into_iter().map(Stretches::new).collect::<io::Result<Vec<_>>>()?;
         let mut out = BufWriter::new(file);
-        let (mut samples, mut peak_n) = (0_u64, 0.0_f64);
+        let (mut samples, mut peak_n, mut limited) = (0_u64, 0.0_f64, 0_u64);
         while keys.iter().any(|key| key.now.is_some()) {
             let mut second = vec![0.0; RATE_HZ as usize];
             for key in &mut keys {
@@ -168,23 +171,24 @@ impl Sound {
             }
             for n in &second {
                 peak_n = peak_n.max(n.abs());
+                limited += u64::from(gain.limits(*n));
                 out.write_all(&n.to_le_bytes())?;
             }
             samples += second.len() as u64;
         }
-        Ok(Mixed { file: out.into_inner().map_err(io::IntoInnerError::into_error)?, samples, peak_n })
+        Ok(Mixed { file: out.into_inner().map_err(io::IntoInnerError::into_error)?, samples, peak_n, limited })
     }
 }
 
 impl Mixed {
     /// `spool` is a file for the encoded sound until it is whole.
-    pub(crate) fn write_wav(mut self, spool: File, writer: &mut dyn Write) -> io::Result<()> {
+    pub(crate) fn write_wav(mut self, gain: Gain, spool: File, writer: &mut dyn Write) -> io::Result<()> {
         self.file.rewind()?;
         let mut file = BufReader::new(self.file);
         let mut samples = (0..self.samples).map(|_| {
             let mut number = [0; 8];
             file.read_exact(&mut number).map(|()| f64::from_le_bytes(number))
         });
-        crate::wav::write_long(self.samples, self.peak_n, &mut samples, spool, writer)
+        crate::wav::write_long(self.samples, self.peak_n, gain, &mut samples, spool, writer)
     }
 }

@@ -163,6 +163,21 @@ fn sound_is_written_under_a_name() {
     let mut reader = hound::WavReader::open(folder.0.join("press/mine.wav")).unwrap();
     assert_eq!(reader.spec().sample_rate, 48_000);
     let samples: Vec<f64> = reader.samples::<i16>().map(|s| f64::from(s.unwrap())).collect();
+    // A full scale is 150 N for all notes; scaled by its peak, the same sound is at 0.9 of it. The page plays the file.
+    let largest = |samples: &[f64]| samples.iter().fold(0.0, |most: f64, x| most.max(x.abs())) / 32_767.0;
+    let peak_n: f64 =
+        said.split("on the bridge, ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
+    assert!((150.0 * largest(&samples) - peak_n).abs() < 0.01, "{} {peak_n}", 150.0 * largest(&samples));
+    let page = std::fs::read_to_string(folder.0.join("press/run.html")).unwrap();
+    assert!(
+        page.contains("<audio controls preload=\"none\" src=\"mine.wav\">") && page.contains("media-src 'self' file:")
+    );
+    folder.good(&[&press("0.6")[..], &["scaled.wav", "--wav-peak", "--force"]].concat());
+    let scaled = hound::WavReader::open(folder.0.join("press/scaled.wav")).unwrap();
+    let scaled: Vec<f64> = scaled.into_samples::<i16>().map(|s| f64::from(s.unwrap())).collect();
+    assert!((largest(&scaled) - 0.9).abs() < 1e-4, "{}", largest(&scaled));
+    let said = folder.bad(&["press", "--instrument", "concert-grand-strings", "--wav-peak"]);
+    assert!(said.contains("--wav"), "{said}");
     // The last fifth of a second, against sines of both phases: C4 stands out from what lies a semitone beside it.
     let tail = &samples[samples.len() - 9600..];
     let part = |hz: f64| {
@@ -176,7 +191,7 @@ fn sound_is_written_under_a_name() {
     for beside_hz in [c4_hz * 0.944, c4_hz * 1.059] {
         assert!(part(c4_hz) > 10.0 * part(beside_hz), "{} {}", part(c4_hz), part(beside_hz));
     }
-    folder.good(&press("0.1"));
+    folder.good(&[&press("0.1")[..], &["--force"]].concat());
     assert!(folder.0.join("press/note.wav").exists());
     for name in ["sub/note.wav", "stroke.csv", ".wav"] {
         let said = folder.bad(&[&press("0.6")[..], &[name]].concat());

@@ -162,7 +162,9 @@ fn a_piece_is_played_by_laws() {
 #[test]
 fn a_piece_is_heard() {
     let folder = with("heard", &midi(&[(64, 0.5, 0.7, 80), (69, 1.1, 1.2, 60)]));
-    folder.good(&["play", "piece.mid", "--wav", "--out", "out", "--slow-motion", "0"]);
+    folder.good(&["play", "piece.mid", "--wav", "--wav-peak", "--out", "out", "--slow-motion", "0"]);
+    let page = std::fs::read_to_string(folder.0.join("out/play.html")).unwrap();
+    assert!(page.contains("<audio controls preload=\"none\" src=\"play.wav\">"), "the page does not play it");
     let mut reader = hound::WavReader::open(folder.0.join("out/play.wav")).unwrap();
     let samples: Vec<f64> = reader.samples::<i16>().map(|s| f64::from(s.unwrap()) / 32768.0).collect();
     let loudest = |from_s: f64, to_s: f64| {

@@ -25,7 +25,8 @@ fn instrument(text: &str) -> Instrument {
 fn note(folder: &Folder, text: &str, stroke: &[&str], duration: &str) -> Vec<f64> {
     folder.file("note.toml", text);
     let arguments =
-        [&["--instrument", "note.toml"], stroke, &["--duration", duration, "--wav", "--out", "out"]].concat();
+        [&["--instrument", "note.toml"], stroke, &["--duration", duration, "--wav", "--wav-peak", "--out", "out"]]
+            .concat();
     folder.good(&arguments);
     let reader = hound::WavReader::open(folder.0.join("out/note.wav")).unwrap();
     assert_eq!((reader.spec().sample_rate, reader.spec().channels, reader.spec().bits_per_sample), (48_000, 1, 16));

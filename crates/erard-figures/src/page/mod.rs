@@ -46,13 +46,15 @@ pub struct Shown<'a> {
     pub pins: &'a [PinSeries],
     /// Numbers whose notes speak of what they were: marked in the picture, and listed below it.
     pub changed: &'a [ChangedNote],
+    /// File beside the page that holds its sound, if there is one.
+    pub sound: Option<&'a str>,
 }
 
 impl<'a> Shown<'a> {
     /// A run under its instrument's name, without what need not be there.
     #[must_use]
     pub fn new(instrument: &'a Instrument, run: &'a Run) -> Self {
-        Shown { name: run.instrument.clone(), instrument, run, pins: &[], changed: &[] }
+        Shown { name: run.instrument.clone(), instrument, run, pins: &[], changed: &[], sound: None }
     }
 }
 
@@ -157,11 +159,12 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
-         script-src 'unsafe-inline'; img-src data: blob:\">\n\
+         script-src 'unsafe-inline'; img-src data: blob:; media-src 'self' file:\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{HOUSE_STYLE}{STYLE}</style>\n</head>\n"
     );
     let doubts: String = shown.iter().map(|one| doubts(one, shown.len() > 1)).collect();
+    let sound: String = shown.iter().filter_map(|one| one.sound).map(audio).collect();
     let changed: String = shown.iter().map(|one| changed_list(one, shown.len() > 1)).collect();
     let marks = [
         ("{title}", title.as_str()),
@@ -170,6 +173,7 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
         ("{picture}", &picture),
         ("{which}", &which),
         ("{changed}", &changed),
+        ("{sound}", &sound),
     ];
     out.push_str(&filled(BODY, &marks));
     let _ = write!(out, "<script type=\"application/json\" id=\"data\">{}</script>\n<script>\n", inline(&data));
@@ -180,6 +184,21 @@ fn page(shown: &[Shown<'_>], figure: &Figure<'_>, summary: &SummaryTable) -> Str
     }
     out.push_str("})();\n</script>\n</body>\n</html>\n");
     out
+}
+
+/// What plays a file beside a page, for the page's policy `media-src 'self' file:`.
+#[must_use]
+pub fn audio(file: &str) -> String {
+    let address: String = file
+        .bytes()
+        .map(|byte| match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' => char::from(byte).to_string(),
+            _ => format!("%{byte:02X}"),
+        })
+        .collect();
+    format!(
+        "<p><audio controls preload=\"none\" src=\"{address}\"></audio> The strings\u{2019} force on the bridge, without a soundboard.</p>\n"
+    )
 }
 
 /// Why a run cannot be trusted; nothing where nothing speaks against it. Of two, it says which.
