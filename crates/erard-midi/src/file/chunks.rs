@@ -226,6 +226,12 @@ impl Track<'_> {
     fn read(&mut self, from: usize) -> usize {
         let (mut at, mut running, mut tick) = (from, None, 0_u64);
         while at < self.bytes.len() {
+            if let Some((delay, begin, end)) = self.unmeasured(at, running) {
+                tick += u64::from(delay);
+                self.own.skipped.push(Skipped { tick, at: begin, count: end - begin, notes: 0, untimed: false });
+                at = end;
+                continue;
+            }
             match self.event(at, running) {
                 Ok((delay, found, next, status)) => {
                     tick += u64::from(delay);
@@ -314,6 +320,23 @@ impl Track<'_> {
         let end = from + count as usize;
         // A length beyond the end of the track is bad, unless the whole file ends in it.
         self.bytes.get(from..end).map(|own| (own, end)).ok_or(torn(at, delay))
+    }
+
+    /// A system exclusive message without its length, as it is sent: its delay, where it begins, and the place behind
+    /// it. Its first byte is taken for a length if that makes as much sense.
+    fn unmeasured(&self, at: usize, running: Option<u8>) -> Option<(u32, usize, usize)> {
+        let (delay, begin) = self.number(at).ok().filter(|(_, begin)| self.bytes.get(*begin) == Some(&0xF0))?;
+        let status = begin + 1 + self.bytes[begin + 1..].iter().position(|byte| *byte >= 0x80)?;
+        let end = Some(status + 1).filter(|_| self.bytes[status] == 0xF7)?;
+        let stated = self.skipped(begin + 1, delay).ok().map(|(_, end)| end);
+        if stated.is_some_and(|stated| stated <= end) {
+            return None;
+        }
+        let sense = |from: usize| {
+            let sense = self.sense(from, running, COMPARED);
+            (sense.events >= SENSE, sense.statuses)
+        };
+        (sense(end) > stated.map_or((false, 0), sense)).then_some((delay, begin, end))
     }
 
     /// A number of variable length, and the place behind it; the bad place, or `None` where the track ends in it.

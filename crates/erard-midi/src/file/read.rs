@@ -81,8 +81,9 @@ impl From<HeadFault> for ReadError {
 /// - A controller 88 belongs to the note right after it in its track and channel: whatever message of the channel
 ///   stands between takes it away [CA-031 leaves that open].
 ///
-/// Events of known length are skipped by it, whatever they hold. Where bytes are no event, reading goes on at the next
-/// that makes sense. [`Piece::remarks`] says what was left out, merged or lost.
+/// Events of known length are skipped by it, whatever they hold; a system exclusive message without its length ends
+/// where it says so, if only that makes sense. Where bytes are no event, reading goes on at the next that makes sense.
+/// [`Piece::remarks`] says what was left out, merged or lost.
 ///
 /// # Errors
 /// [`ReadError`].

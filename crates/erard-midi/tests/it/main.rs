@@ -2,6 +2,7 @@
 
 mod bytes;
 mod files;
+mod foreign;
 mod habits;
 mod laws;
 mod messages;
