@@ -25,6 +25,8 @@ pub(crate) struct Clock {
     /// Whether the sender is silent while nothing happens.
     is_sparse: bool,
     now_s: Option<f64>,
+    /// The last instant before the header came again.
+    before_s: Option<f64>,
     has_begun: bool,
     waiting: Vec<Sample>,
     /// Samples that were dropped.
@@ -41,7 +43,9 @@ impl Clock {
         let Some(now_s) = self.now_s else {
             self.now_s = Some(sample.time_s);
             let is_first = !std::mem::replace(&mut self.has_begun, true);
-            return if is_first { Taken::Next } else { Taken::Jump(vec![*sample]) };
+            // A header in between, and the clock goes on.
+            let goes_on = self.before_s.take().is_some_and(|before_s| is_near(before_s) && sample.time_s >= before_s);
+            return if is_first || goes_on { Taken::Next } else { Taken::Jump(vec![*sample]) };
         };
         if is_near(now_s) || self.is_sparse && sample.time_s > now_s {
             self.now_s = Some(now_s.max(sample.time_s));
@@ -62,10 +66,10 @@ impl Clock {
         Taken::Waits
     }
 
-    /// Begins a new clock with the next sample.
+    /// Begins a new clock with the next sample, unless its stamp follows the last one within a second.
     pub(crate) fn restart(&mut self) {
         self.drop_waiting();
-        self.now_s = None;
+        self.before_s = self.now_s.take().or(self.before_s);
     }
 
     /// Drops the samples that wait for a neighbour.

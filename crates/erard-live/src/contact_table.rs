@@ -12,6 +12,8 @@ use crate::find::dip_m;
 use crate::finger::{FINGER, Leg, place};
 use crate::limits::MAX_HAMMER_M_PER_S;
 
+/// The key of a keyboard that is pressed, a middle C.
+pub const PRESSED_KEY: usize = 40;
 /// Names of the touches: a hand that rests on the key presses it; a hand arrives with a speed; a finger presses again a
 /// key that it has let up half-way.
 pub const TOUCHES: [&str; 3] = ["pressed", "struck", "re-struck"];
@@ -199,13 +201,13 @@ impl Presses {
             else {
                 continue;
             };
-            let speed = (0.5 * (slow + fast)).exp().min(MAX_HAMMER_M_PER_S);
+            let speed = rounded((0.5 * (slow + fast)).exp().min(MAX_HAMMER_M_PER_S), 1.0);
             if points.last().is_none_or(|last| speed < last.hammer_speed_m_per_s) {
                 points.push(Point {
-                    between_s: at.exp(),
+                    between_s: 1e-3 * rounded(at.exp(), 1e-3),
                     hammer_speed_m_per_s: speed,
-                    delay_s: 0.5 * (early + late),
-                    touch_counts: 0.5 * COUNTS_PER_E * (fast - slow),
+                    delay_s: 1e-3 * rounded(0.5 * (early + late), 1e-3),
+                    touch_counts: rounded(0.5 * COUNTS_PER_E * (fast - slow), 1.0),
                 });
             }
         }
@@ -308,6 +310,12 @@ impl Curve {
         let share = (x - x0) / (x1 - x0);
         Some([v0 + share * (v1 - v0), d0 + share * (d1 - d0)])
     }
+}
+
+/// A number in a unit, to four decimals: profiles hold these digits, so that a table has the same bits once it was
+/// written and read.
+pub(crate) fn rounded(number: f64, unit: f64) -> f64 {
+    (1e4 * number / unit).round() / 1e4
 }
 
 /// Numbers in ratios of [`RATIO`].

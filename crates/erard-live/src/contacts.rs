@@ -176,19 +176,36 @@ impl ContactLaw {
         if !(2..=MAX_CONTACTS).contains(&self.count) {
             return Err(ContactFault::Count(self.count));
         }
-        let depths = &self.depths_m[..self.count];
-        let is_bad = |i: &usize| !(0.1e-3..=20e-3).contains(&depths[*i]) || (*i > 0 && depths[*i] <= depths[*i - 1]);
-        if let Some(i) = (0..self.count).find(is_bad) {
-            return Err(ContactFault::Depth(1e3 * depths[i]));
+        let (depths_m, phases_s) = (&self.depths_m[..self.count], &self.phases_s[..self.count]);
+        ContactLaw::check_contacts(depths_m, phases_s, self.period_s, self.bounce_s)?;
+        if self.off >= self.count - 1 { Err(ContactFault::Off(self.off)) } else { Ok(()) }
+    }
+
+    /// Checks the depths of contacts, m, the phases of their scan, s, its period, s, and the time of bounces, s.
+    ///
+    /// # Errors
+    /// [`ContactFault`].
+    pub fn check_contacts(
+        depths_m: &[f64],
+        phases_s: &[f64],
+        period_s: f64,
+        bounce_s: f64,
+    ) -> Result<(), ContactFault> {
+        if !(2..=MAX_CONTACTS).contains(&depths_m.len()) {
+            return Err(ContactFault::Count(depths_m.len()));
         }
-        let phases = self.phases_s[..self.count].iter().map(|phase_s| (*phase_s, self.period_s));
-        let times = [(self.period_s, 0.1), (self.bounce_s, 0.1)].into_iter().chain(phases);
-        for (s, most_s) in times {
+        let is_bad =
+            |i: &usize| !(0.1e-3..=20e-3).contains(&depths_m[*i]) || (*i > 0 && depths_m[*i] <= depths_m[*i - 1]);
+        if let Some(i) = (0..depths_m.len()).find(is_bad) {
+            return Err(ContactFault::Depth(1e3 * depths_m[i]));
+        }
+        let phases = phases_s.iter().map(|phase_s| (*phase_s, period_s));
+        for (s, most_s) in [(period_s, 0.1), (bounce_s, 0.1)].into_iter().chain(phases) {
             if !(0.0..=most_s).contains(&s) {
                 return Err(ContactFault::Time(s));
             }
         }
-        if self.off >= self.count - 1 { Err(ContactFault::Off(self.off)) } else { Ok(()) }
+        Ok(())
     }
 
     /// Tables by the upper contact's number, from 0.
@@ -209,6 +226,9 @@ pub struct ContactCounts {
     pub slow: u64,
     /// Times that a contact closed after the one below it.
     pub swapped: u64,
+    /// Times that the contacts closed in less than half the time of the table's fastest press: no key does that, but
+    /// wires that touch do. The note has the table's highest speed.
+    pub fast: u64,
 }
 
 /// One contact.
@@ -326,7 +346,7 @@ impl ContactKey {
         let lowest = law.count - 1;
         let at_s = self.read_s(law, lowest);
         // Of the contacts above, the one whose time errs least.
-        let mut best: Option<(f64, Option<Point>)> = None;
+        let (mut best, mut is_fast): (Option<(f64, Option<Point>)>, _) = (None, false);
         for (upper, table) in law.tables().iter().enumerate() {
             let between_s = at_s - self.read_s(law, upper);
             let contact = &self.contacts[upper];
@@ -338,6 +358,7 @@ impl ContactKey {
             let error = found.map_or(f64::MAX, |point| libm::hypot(point.touch_counts, time_counts));
             if best.is_none_or(|(least, _)| error < least) {
                 best = Some((error, found));
+                is_fast = between_s < 0.5 * table.points()[0].between_s;
             }
         }
         self.contacts.iter_mut().for_each(|one| one.is_fresh = false);
@@ -346,6 +367,7 @@ impl ContactKey {
             Some((_, None)) => self.counts.slow += 1,
             Some((_, Some(Point { hammer_speed_m_per_s, delay_s, .. }))) => {
                 self.sounds = true;
+                self.counts.fast += u64::from(is_fast);
                 send(Event::On { time_s: at_s - 0.5 * law.period_s + delay_s, hammer_speed_m_per_s });
             }
         }

@@ -3,6 +3,8 @@
 use erard_midi::{Crossing, Event, KeyNotes};
 
 use crate::converter::Converter;
+use crate::limits::MAX_HAMMER_M_PER_S;
+use crate::sensor::LawOf;
 
 /// The speed is the slope over the last part of the head's travel before its stop: over this much of it, m, or over
 /// more, at most this much, if it holds too few readings.
@@ -11,6 +13,10 @@ const SLOPE_M: [f64; 2] = [5e-3, 15e-3];
 const ENOUGH: usize = 4;
 /// Readings that are nearer to each other are not kept, m.
 const APART_M: f64 = 0.5e-3;
+/// Noise of a reading, m.
+const NOISE_M: f64 = 1e-3;
+/// A head this near to where its rise begins still stands there, m.
+const STANDS_M: f64 = 0.25e-3;
 /// Number of readings that are kept: 15 mm and some.
 const KEPT: usize = 40;
 /// A head that falls by this much below its highest place no longer rises, m.
@@ -19,8 +25,8 @@ const FALLS_M: f64 = 1.5e-3;
 const REARMS_M: f64 = 5e-3;
 /// A rise by less is none, m.
 const RISES_M: f64 = 3e-3;
-/// A slower head strikes no string, m/s.
-const SLOWEST_M_PER_S: f64 = 0.05;
+/// A slower head strikes no string, and no hammer is faster, m/s: a reading that says so is none of a head.
+const SPEEDS_M_PER_S: [f64; 2] = [0.05, 1.5 * MAX_HAMMER_M_PER_S];
 /// A head that flies freely loses speed to gravity, m/s2: a hammer's shank is nearly level, its mass in the head.
 const GRAVITY_M_PER_S2: f64 = 9.81;
 /// A note whose release nobody sees ends when its head has fallen to this share of its travel: below a back check,
@@ -57,8 +63,12 @@ pub struct HammerKey<P> {
     head: Converter<f64, P>,
     release: Option<(Converter<f64, P>, Release)>,
     /// Notes by the place that ends them: the second sensor's, or the head's own.
+    crossing: Crossing,
     notes: KeyNotes,
     last: Option<[f64; 2]>,
+    /// The last reading that was no outlier.
+    accepted: Option<[f64; 2]>,
+    is_sensed: bool,
     released_m: f64,
     period_s: f64,
     /// Readings of the rise, and their number.
@@ -78,8 +88,11 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
     pub fn new(head: Converter<f64, P>, release: Option<(Converter<f64, P>, Release)>) -> Self {
         let damper_m = release.as_ref().map_or(OFF_SHARE * head.whole_m(), |(_, release)| release.off_m);
         HammerKey {
+            crossing: Crossing { damper_m },
             notes: KeyNotes::new(Crossing { damper_m }),
             last: None,
+            accepted: None,
+            is_sensed: false,
             released_m: 0.0,
             period_s: USUAL_PERIOD_S,
             rise: ([[0.0; 2]; KEPT], 0),
@@ -90,6 +103,30 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
             head,
             release,
         }
+    }
+
+    /// Changes the law of the head's sensor.
+    pub fn set_law(&mut self, law: LawOf<P>) {
+        self.head.set_law(law);
+    }
+
+    /// At rest again, as it was made, with the law that is in force.
+    pub fn reset(&mut self) {
+        self.head.reset();
+        if let Some((release, _)) = &mut self.release {
+            release.reset();
+        }
+        self.notes = KeyNotes::new(self.crossing);
+        (self.last, self.accepted, self.is_sensed) = (None, None, false);
+        (self.released_m, self.period_s, self.has_struck) = (0.0, USUAL_PERIOD_S, false);
+        (self.rise.1, self.lowest_m, self.highest_m) = (0, 0.0, 0.0);
+        self.counts = HammerCounts { nearest_m: self.head.whole_m(), ..HammerCounts::default() };
+    }
+
+    /// Whether there was a reading of the head.
+    #[must_use]
+    pub fn is_sensed(&self) -> bool {
+        self.is_sensed
     }
 
     /// Whether no note sounds.
@@ -112,13 +149,22 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
             return false;
         }
         let (x, stop_m) = (self.head.travel_m(time_s, reading), self.head.whole_m());
-        self.last = Some([time_s, x]);
+        (self.last, self.is_sensed) = (Some([time_s, x]), true);
         if let Some([last_s, _]) = before {
             match time_s - last_s {
                 passed_s if passed_s > PAUSE_S => self.falls(x),
                 passed_s => self.period_s += 0.1 * (passed_s - self.period_s),
             }
         }
+        // No head gets here from where it was, nor from where the last reading saw it: an outlier is left out.
+        let [slowest, fastest] = SPEEDS_M_PER_S;
+        let jumps = |from: Option<[f64; 2]>| {
+            from.is_some_and(|[from_s, place_m]| (x - place_m).abs() > fastest * (time_s - from_s) + NOISE_M)
+        };
+        if jumps(self.accepted) && jumps(before) {
+            return true;
+        }
+        self.accepted = self.last;
         self.counts.nearest_m = self.counts.nearest_m.min(stop_m - x);
         if x < self.highest_m - FALLS_M {
             self.falls(x);
@@ -133,7 +179,7 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
         {
             let left_m = stop_m - x;
             let flies = v * v > 2.0 * GRAVITY_M_PER_S2 * left_m;
-            if v > SLOWEST_M_PER_S && flies && left_m <= v * self.period_s {
+            if v > slowest && v <= fastest && flies && left_m <= v * self.period_s {
                 // From the middle of the slope on it flies, and loses speed to gravity.
                 let lost = 2.0 * GRAVITY_M_PER_S2 * (stop_m - middle_m);
                 let speed = libm::sqrt((v * v - lost).max(0.25 * v * v));
@@ -171,7 +217,7 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
         if self.notes.end() {
             send(Event::Off { time_s, release_m_per_s: None });
         }
-        (self.last, self.has_struck) = (None, false);
+        (self.last, self.accepted, self.has_struck) = (None, None, false);
         (self.rise.1, self.lowest_m, self.highest_m) = (0, self.head.whole_m(), 0.0);
     }
 
@@ -191,6 +237,11 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
     /// Keeps a reading of the rise, which rises.
     fn keep(&mut self, reading: [f64; 2]) {
         let (kept, count) = &mut self.rise;
+        // It has not left the place where it stands: a rise begins with the last reading there.
+        if *count == 1 && reading[1] < self.lowest_m + STANDS_M {
+            kept[0] = reading;
+            return;
+        }
         if *count > 0 && reading[1] < kept[*count - 1][1] + APART_M {
             return;
         }

@@ -131,6 +131,11 @@ impl Key {
         self.sensed.value()
     }
 
+    /// Whether there was a sample of it.
+    pub(crate) fn is_sensed(&self) -> bool {
+        self.sensed.last.is_some()
+    }
+
     /// Whether its sensor is at rest.
     pub(crate) fn is_up(&self) -> bool {
         self.sensed.is_up()

@@ -13,7 +13,7 @@
 //! Without the feature `std` (on by default) the crate contains the parts for a microcontroller, without a heap and
 //! also in single precision: [`sensor`], [`converter`], [`stops`], [`sensed`], [`sensing`], [`contacts`], [`hammers`]
 //! and [`board`]. A stream's keys go through the same code. With the feature `actions` alone the actions of `erard`
-//! move under sensed keys, and there is neither text nor file: `liberard` is built so.
+//! move under sensed keys and make the table of contacts, and there is neither text nor file: `liberard` is built so.
 //!
 //! SI units, except for files, which use millimetres; key and finger positive downward, the hammer upward.
 
@@ -30,7 +30,7 @@ pub mod cable;
 pub mod calibrate;
 #[cfg(feature = "std")]
 mod clock;
-#[cfg(feature = "std")]
+#[cfg(feature = "actions")]
 pub mod contact_table;
 pub mod contacts;
 pub mod converter;
@@ -39,7 +39,7 @@ mod drive;
 mod error;
 #[cfg(feature = "actions")]
 mod find;
-#[cfg(feature = "std")]
+#[cfg(feature = "actions")]
 pub mod finger;
 pub mod hammers;
 #[cfg(feature = "std")]

@@ -22,6 +22,8 @@ use crate::report::{Leads, Report};
 use crate::sensed::{APART_S, BEGINS_BEFORE_S};
 use crate::stream::{Of, Sample, SensorUnit};
 
+/// The samples of a key come neither faster nor slower, s.
+const SPACING_S: [f64; 2] = [10e-6, 0.2];
 /// A sensor that has left its rest by a small amount this often is noisy.
 const NOISY: u64 = 20;
 
@@ -207,7 +209,8 @@ impl Live {
         }
     }
 
-    /// Begins a new clock with the next sample: the sender has begun anew.
+    /// Begins a new clock with the next sample, for the sender has begun anew; unless that sample's stamp follows the
+    /// last one within a second.
     pub fn restart(&mut self) {
         self.clock.restart();
     }
@@ -376,13 +379,22 @@ impl Live {
     /// Why there is no note, where there is none; `dip_m` is a key's dip, m.
     fn silence(&self, dip_m: f64) -> Option<String> {
         let [low, high] = self.extremes;
-        if self.report.note_ons == 0 && self.report.samples > 0 && self.contacts.is_some() {
+        if self.report.note_ons > 0 {
+            return None;
+        }
+        if self.report.samples == 0 || self.clock.dropped > self.report.samples {
+            return self.nothing_taken();
+        }
+        if self.contacts.is_some() {
             return Some(self.silent_contacts());
         }
-        if self.report.note_ons == 0 && self.report.samples > 0 && !self.hammers.is_empty() {
+        if let Some(why) = self.wrong_unit_of_time() {
+            return Some(why);
+        }
+        if !self.hammers.is_empty() {
             return Some(self.silent_hammers());
         }
-        if self.report.note_ons > 0 || self.report.samples == 0 || low > high {
+        if low > high {
             return None;
         }
         let is_mm = self.options.quantity == SensorUnit::Millimetres;
@@ -408,6 +420,36 @@ impl Live {
             _ => {
                 format!("no key goes down fast enough to throw its hammer to the string; the deepest, {high_mm:.1} mm")
             }
+        })
+    }
+
+    /// Why no sample was taken, where there are any.
+    fn nothing_taken(&self) -> Option<String> {
+        let Report { uncalibrated, out_of_order, .. } = self.report;
+        match (self.clock.dropped, uncalibrated, out_of_order) {
+            (0, 0, 0) => None,
+            (0, 0, count) => Some(format!("none of {count} samples comes after the one before it")),
+            (0, count, _) => Some(format!("none of {count} samples is of a key or contact that the calibration has")),
+            (count, ..) => Some(format!(
+                "the stamps of {count} samples lie more than a second from their neighbours: is the time in \
+                 milliseconds or microseconds?"
+            )),
+        }
+    }
+
+    /// What the time between samples says of its unit, if it is none of a sensor's.
+    fn wrong_unit_of_time(&self) -> Option<String> {
+        let keys = self.keys.iter().flatten().filter(|key| key.is_sensed()).count()
+            + self.hammers.iter().flatten().filter(|hammer| hammer.is_sensed()).count();
+        if keys == 0 {
+            return None;
+        }
+        let each_s = (self.now_s - BEGINS_BEFORE_S) * keys as f64 / self.report.samples as f64;
+        let [fastest_s, slowest_s] = SPACING_S;
+        let is_many = self.report.samples >= 20 * keys as u64;
+        (is_many && !(fastest_s..=slowest_s).contains(&each_s)).then(|| {
+            let (of, them) = if each_s < fastest_s { (1e6 * each_s, "us") } else { (1e3 * each_s, "ms") };
+            format!("the samples of a key come {of:.1} {them} apart: is the time in milliseconds or microseconds?")
         })
     }
 
@@ -470,6 +512,7 @@ impl Live {
             untimed_strokes: contacts(&|c| c.untimed),
             slow_strokes: contacts(&|c| c.slow),
             swapped_contacts: contacts(&|c| c.swapped),
+            fast_strokes: contacts(&|c| c.fast),
             limited_strokes: sum(&|c| u64::from(c.fast_strokes)),
             limited_steps: sum(&|c| c.fast_steps),
             deep_samples: sum(&|c| c.deep_samples),

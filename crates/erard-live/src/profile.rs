@@ -7,6 +7,7 @@ use erard::instrument::from_toml::from_toml;
 use erard::keyboard::KEYS;
 use serde::Deserialize;
 
+use crate::contact_table::rounded;
 use crate::contacts::{ContactFault, ContactLaw, MAX_CONTACTS, Point, SpeedTable};
 pub use crate::converter::{Converter, Stops};
 use crate::hammers::HammerKey;
@@ -338,7 +339,6 @@ fn point(numbers: &[f64]) -> Option<Point> {
 }
 
 fn contacts_text(law: &ContactLaw) -> String {
-    let rounded = |number: f64, unit: f64| (1e4 * number / unit).round() / 1e4;
     let list = |all: &[f64], unit: f64| all[..law.count].iter().map(|one| rounded(*one, unit)).collect::<Vec<_>>();
     let mut out = String::from("\n[contacts]\n# Depths of the key's front at which they close, the upper one first.\n");
     // Nothing that is written to a string fails.

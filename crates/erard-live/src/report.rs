@@ -34,6 +34,8 @@ pub struct Report {
     pub slow_strokes: u64,
     /// Contacts that closed after the one below them.
     pub swapped_contacts: u64,
+    /// Strokes whose contacts closed in less than half the time of the fastest press.
+    pub fast_strokes: u64,
     /// Rises of sensed hammers that turned before their strings.
     pub lifts: u64,
     /// Note-ons and note-offs, cancelled ones among them.

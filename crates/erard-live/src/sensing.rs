@@ -179,6 +179,17 @@ impl ScanClock {
         Some(Scan { time_s: own_s, gap })
     }
 
+    /// Takes the instant of an edge, s on the scanner's clock, and returns it on the keys' clock; `None`, and nothing
+    /// changes, if it is before the last one. A sender of edges is silent while nothing happens: that is no gap.
+    pub fn take_edge(&mut self, time_s: f64) -> Option<f64> {
+        let [begins_s, last_s] = self.known.unwrap_or([time_s - BEGINS_BEFORE_S, f64::NEG_INFINITY]);
+        if time_s < last_s {
+            return None;
+        }
+        self.known = Some([begins_s, time_s]);
+        Some(time_s - begins_s)
+    }
+
     /// The last scan's instant on the keys' clock, s.
     #[must_use]
     pub fn now_s(&self) -> f64 {

@@ -159,8 +159,10 @@ fn pedal_named(text: &str) -> Option<Of> {
     }
 }
 
+/// A key by its number or note; also a whole number that a table of numbers holds as `4.0e+01`.
 fn key_of(text: &str) -> Result<usize, Fault> {
-    key_named(text).ok_or_else(|| Fault::Key { found: cut(text) })
+    let whole = || text.parse::<f64>().ok().filter(|key| key.fract() == 0.0 && (1.0..=88.0).contains(key));
+    key_named(text).or_else(|| whole().map(|key| key as usize)).ok_or_else(|| Fault::Key { found: cut(text) })
 }
 
 /// A pedal, a key, or a key's second sensor.

@@ -10,7 +10,7 @@ use erard::damper::{USUAL_HEIGHT_M, damper_height_m};
 use erard::instrument_spec::Base;
 use erard::run::SimulationError;
 use erard_live::calibrate::{Found, Readings, stops, unlike};
-use erard_live::contact_table::{ContactTableError, Presses, error_counts};
+use erard_live::contact_table::{ContactTableError, PRESSED_KEY, Presses, error_counts};
 use erard_live::contacts::{ContactFault, ContactLaw, Point, SpeedTable};
 use erard_live::profile::{Profile, Release, Sensed};
 use erard_live::sensor::{Law as SensorLaw, LawFault};
@@ -36,8 +36,6 @@ pub(super) const RULER_HEAD: &str = "raw,mm";
 pub(super) const CONTACT_HEAD: &str = "between_ms,hammer_speed_m_per_s";
 /// Readings of sensors by their keys.
 type Sensors = BTreeMap<usize, Readings>;
-/// The key that is pressed for the table of contacts: C4.
-const PRESSED_KEY: usize = 40;
 /// What stands below the options.
 const AFTER: &str = include_str!("help/calibrate.txt");
 

@@ -51,6 +51,7 @@ impl StreamSummary {
         counted(r.untimed_strokes, "strokes without a note: no upper contact had opened and closed again");
         counted(r.slow_strokes, "strokes too slow to throw a hammer to its string");
         counted(r.swapped_contacts, "contacts that closed after the one below them");
+        counted(r.fast_strokes, "strokes faster than any press: do both contacts close at once? Sent as the fastest");
         counted(r.limited_strokes, "strokes limited, whose hammers would have been faster than 8 m/s");
         counted(r.deep_samples, "samples deeper than the key goes");
         counted(r.out_of_order, "samples skipped: not later than their key's last one");

@@ -3,7 +3,6 @@
 use erard_live::stream::{Of, Sample};
 use erard_live::{Event, Live, SensorKind};
 use erard_midi::Velocity;
-use fastrand::Rng;
 
 use crate::common::{GRAND, Press, offs, one_key, ons, options, played};
 
@@ -141,80 +140,4 @@ fn silence_has_a_reason() {
     played(&mut live, &slow.collect::<Vec<_>>());
     let said = live.report().silence.unwrap();
     assert!(said.contains("fast enough"), "{said}");
-}
-
-/// Whatever the stamps, the work is linear in the samples, notes are in order and each has an end.
-fn garbled(seeds: std::ops::Range<u64>) {
-    let mut most: f64 = 0.0;
-    for seed in seeds {
-        let mut rng = Rng::with_seed(seed);
-        let mut live = two_keys();
-        let mut samples = presses(3);
-        for sample in &mut samples {
-            sample.of = Of::Key(1 + usize::from(rng.u8(..8) == 0));
-        }
-        for _ in 0..rng.usize(1..40) {
-            let at = rng.usize(..samples.len());
-            let off_s = [0.5, 2.0, 50.0, 4000.0][rng.usize(..4)] * (rng.f64() - 0.5);
-            match rng.u8(..4) {
-                0 => samples[at].time_s += off_s,
-                1 => samples[at..].iter_mut().for_each(|sample| sample.time_s += off_s),
-                2 => drop(samples.drain(at..(at + rng.usize(1..300)).min(samples.len()))),
-                _ => samples.insert(at, Sample { time_s: samples[at].time_s + off_s, ..samples[at] }),
-            }
-            if samples.len() < 100 {
-                break;
-            }
-        }
-        let events = played(&mut live, &samples);
-        let report = live.report();
-        // A key that is held is simulated for a second at most between two samples, and for one after them.
-        let each = report.steps as f64 / samples.len() as f64;
-        most = most.max(each);
-        assert!(each < 20_000.0, "seed {seed}: {each} steps a sample");
-        assert_eq!(report.non_finite_steps, 0, "seed {seed}");
-        for key in [1, 2] {
-            let mut sounds = false;
-            let mut last_s = f64::NEG_INFINITY;
-            for event in &events {
-                let (at_s, is_on) = match *event {
-                    Event::On { key: own, time_s, .. } if own == key => (time_s, true),
-                    Event::Off { key: own, time_s, .. } if own == key => (time_s, false),
-                    _ => continue,
-                };
-                assert!(at_s >= last_s - 1e-9 && (is_on || sounds), "seed {seed}: {events:?}");
-                (sounds, last_s) = (is_on, at_s);
-            }
-            assert!(!sounds, "seed {seed}: {events:?}");
-        }
-    }
-    println!("at most {most:.0} steps a sample");
-}
-
-#[test]
-fn garbled_clocks_cost_linear_work() {
-    garbled(0..4);
-}
-
-#[test]
-#[ignore = "ci: sixty garbled streams"]
-fn many_garbled_clocks_cost_linear_work() {
-    garbled(4..64);
-}
-
-mod nightly {
-    use std::time::{Duration, Instant};
-
-    /// An hour of it, from seeds that the day gives.
-    #[test]
-    #[ignore = "nightly: an hour of garbled streams"]
-    fn garbled_clocks_for_an_hour() {
-        let begins = Instant::now();
-        let day = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs() / 86_400;
-        let mut seed = day << 32;
-        while begins.elapsed() < Duration::from_secs(3600) {
-            super::garbled(seed..seed + 10);
-            seed += 10;
-        }
-    }
 }

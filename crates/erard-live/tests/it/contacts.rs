@@ -21,7 +21,7 @@ fn counts(speed: f64) -> f64 {
 
 /// Edges of contacts at these depths, m, as a scan of a period sees a press: a contact that changes chatters for a
 /// millisecond.
-fn edges(press: &Press, depths_m: &[f64], period_s: f64, phase: f64) -> Vec<Sample> {
+pub fn edges(press: &Press, depths_m: &[f64], period_s: f64, phase: f64) -> Vec<Sample> {
     let (mut all, mut was) = (Vec::new(), vec![false; depths_m.len()]);
     let mut changed_s = vec![-1.0; depths_m.len()];
     for k in 0..(0.9 / period_s) as u32 {
@@ -144,7 +144,8 @@ fn inverse() -> SpeedTable {
     SpeedTable::new(&[point(2e-3), point(50e-3)]).unwrap()
 }
 
-fn law(count: usize) -> ContactLaw {
+/// Contacts of that table.
+pub fn law(count: usize) -> ContactLaw {
     let deep =
         SpeedTable::new(&inverse().points().iter().map(|one| Point { touch_counts: 5.0, ..*one }).collect::<Vec<_>>());
     ContactLaw {
@@ -324,7 +325,9 @@ fn a_stream_of_edges_is_read() {
     // A contact that the profile does not have, and a key that is not there.
     let lost = [Of::Contact(1, 2), Of::Contact(2, 0)].map(|of| Sample { time_s: 20.0, of, value: 1.0 });
     let (_, report) = played(&law(2), &lost);
-    assert_eq!((report.uncalibrated, report.samples, report.silence), (2, 0, None));
+    let why = report.silence.as_deref();
+    let expected = "none of 2 samples is of a key or contact that the calibration has";
+    assert_eq!((report.uncalibrated, report.samples, why), (2, 0, Some(expected)));
     let why = |samples: &[Sample]| played(&law(2), samples).1.silence.unwrap();
     assert!(why(&samples[..1]).contains("no key comes to its lowest contact"));
     let swapped: Vec<Sample> =

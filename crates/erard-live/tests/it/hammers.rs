@@ -22,7 +22,8 @@ const KEY: Stops = Stops { rest: 200.0, pressed: 3200.0 };
 /// The second sensor, at the key's front.
 const RELEASE: Release = Release { travel_m: 10e-3, off_m: 4.3e-3 };
 
-fn profile(has_release: bool) -> Profile {
+/// A profile of one hammer.
+pub fn profile(has_release: bool) -> Profile {
     let release = has_release.then(|| (RELEASE, BTreeMap::from([(1, KEY)])));
     Profile {
         sensed: Sensed::Hammers(release),
@@ -34,7 +35,7 @@ fn profile(has_release: bool) -> Profile {
 }
 
 /// What the sensors read of a press, 12 bits: a rate, Hz, a phase, s, noise as a share of the range.
-fn readings(press: &Press, [rate_hz, phase_s, noise]: [f64; 3], has_release: bool) -> Vec<Sample> {
+pub fn readings(press: &Press, [rate_hz, phase_s, noise]: [f64; 3], has_release: bool) -> Vec<Sample> {
     let mut random = fastrand::Rng::with_seed(1);
     let mut read = |share: f64, stops: Stops| {
         let normal = (0..12).map(|_| random.f64()).sum::<f64>() - 6.0;

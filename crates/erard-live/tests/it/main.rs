@@ -6,6 +6,8 @@ mod chip;
 mod clocks;
 mod common;
 mod contacts;
+mod foreign;
+mod garbled;
 #[path = "../../../erard-core/tests/common/generated.rs"]
 mod generated;
 mod hammers;
