@@ -149,6 +149,16 @@
 #define ERARD_BOARD_KEY_BYTES 48
 
 /**
+ * Most contacts of a key.
+ */
+#define ERARD_MAX_CONTACTS 3
+
+/**
+ * Most points of a table of contacts.
+ */
+#define ERARD_MAX_CONTACT_POINTS 24
+
+/**
  * Outcome of a call. Zero is success, above zero success with a remark, below zero an error. An error means that
  * nothing has changed; the one exception is erard_keyboard_step.
  */
@@ -531,7 +541,8 @@ typedef struct ErardBoardKey {
    */
   uint32_t struct_size;
   /**
-   * 1 if its action is at a complete rest: it then takes no steps, whatever keys beside it do.
+   * 1 if its action is at a complete rest: it then takes no steps, whatever keys beside it do. Of contacts 1 if none
+   * is closed and no note sounds, of hammers 1 if no note sounds.
    */
   uint32_t asleep;
   /**
@@ -574,7 +585,105 @@ typedef struct ErardBoardKey {
    * Present drift of the sensor's rest, as a share of its range.
    */
   double drift;
+  /**
+   * Contacts: changes that were bounces.
+   */
+  uint32_t bounces;
+  /**
+   * Contacts: times that the lowest one closed although none above it had closed since the last note.
+   */
+  uint32_t untimed_strokes;
+  /**
+   * Contacts: times that the key came to its lowest one too slowly to throw a hammer.
+   */
+  uint32_t slow_strokes;
+  /**
+   * Contacts: times that one closed after the one below it.
+   */
+  uint32_t swapped_contacts;
+  /**
+   * Contacts: times that they closed in less than half the time of the fastest press, as wires that touch do.
+   */
+  uint32_t fast_strokes;
+  /**
+   * Hammers: rises of 3 mm or more that turned before the string.
+   */
+  uint32_t lifts;
+  /**
+   * Hammers: the highest place of the head below its string, m.
+   */
+  double nearest_m;
 } ErardBoardKey;
+
+/**
+ * The contacts of all keys of a board, and the hammer speeds by the time between them. It may be a constant.
+ */
+typedef struct ErardContacts {
+  /**
+   * sizeof(ErardContacts).
+   */
+  uint32_t struct_size;
+  /**
+   * Number of contacts of a key, 2 or 3.
+   */
+  uint32_t count;
+  /**
+   * The contact whose opening ends a note, from 1 for the upper one; never the lowest one.
+   */
+  uint32_t off;
+  /**
+   * Points of each table, 2 to 24: of the time from contact 1 to the lowest one, and of three contacts from contact
+   * 2.
+   */
+  uint32_t point_count[2];
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+  /**
+   * Depths of the key's front at which the contacts close, m, rising, 0.1 mm to 20 mm.
+   */
+  double depths_m[ERARD_MAX_CONTACTS];
+  /**
+   * Period of the scan, s; 0 for edges that interrupts report.
+   */
+  double scan_period_s;
+  /**
+   * How long after its time stamp each contact is read, s, within the period.
+   */
+  double scan_phases_s[ERARD_MAX_CONTACTS];
+  /**
+   * Changes of a contact within this time after an edge are bounces of it, s, 0 to 0.1.
+   */
+  double bounce_s;
+  /**
+   * The tables, a point each: time to the lowest contact, s, rising; hammer speed, m/s, falling, at most 8; time
+   * from the lowest contact to the impact, s; error of touch, counts of velocity. The last two may be 0.
+   */
+  double points[2][ERARD_MAX_CONTACT_POINTS][4];
+} ErardContacts;
+
+/**
+ * A second sensor of each hammer's key, at the key or the damper, which sees its release.
+ */
+typedef struct ErardRelease {
+  /**
+   * sizeof(ErardRelease).
+   */
+  uint32_t struct_size;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+  /**
+   * Travel of the sensed place between its two stops, m, 0.5 mm to 100 mm, in proportion to the reading.
+   */
+  double travel_m;
+  /**
+   * Its travel at which, coming up, the damper lies on the string, m, within the travel.
+   */
+  double off_m;
+} ErardRelease;
 
 /**
  * Progress function, called repeatedly during long work with the share done, 0 to 1 (NaN where the share is not
@@ -1011,16 +1120,17 @@ struct ErardBoard *erard_board_new(void *memory,
                                    ErardStatus *status);
 
 /**
- * Gives back what erard_board_new took beside the caller's memory, which may then be used otherwise. NULL does
- * nothing. Real time: no.
+ * Gives back what the function that made the board took beside the caller's memory, which may then be used otherwise.
+ * NULL does nothing. Real time: no.
  */
 void erard_board_free(struct ErardBoard *board);
 
 /**
  * Gives the sensors of all keys a law of your own: `count` points, at least two, each the share of a reading's range
  * and the share of the travel, both from 0 to 1, ascending. The points are not copied: they must last as long as the
- * board, in flash, say. Call it before the first scan. Returns ERARD_STATUS_ARGUMENT for points that do not rise from
- * {0, 0} to {1, 1}. Real time: yes.
+ * board, in flash, say. Call it before the first scan. Of hammers it is the law of their heads' sensors. Returns
+ * ERARD_STATUS_ARGUMENT for points that do not rise from {0, 0} to {1, 1}, and for a board of contacts. Real time:
+ * yes.
  */
 ErardStatus erard_board_sensor_table(struct ErardBoard *board, const double (*points)[2], size_t count);
 
@@ -1037,9 +1147,10 @@ ErardStatus erard_board_velocity_table(struct ErardBoard *board, const double (*
  * setup. Writes the resulting MIDI bytes, whole messages, to `midi`, which must have room for ERARD_BOARD_KEY_BYTES
  * for each key, and their number to `length`. A note-on is written once its hammer has met the string, a note-off once
  * the key, coming up, has set its damper down. After a gap of more than a second held notes end first, and nothing is
- * simulated for it. Returns ERARD_STATUS_RANGE for an instant that is not after the last one, and
- * ERARD_STATUS_NOT_FINITE for a reading that is no number. Real time: yes; the work is that of the time since the last
- * scan for the keys that move, and nearly none for those at rest.
+ * simulated for it. Of hammers they are the readings of their heads. Returns ERARD_STATUS_RANGE for an instant that is
+ * not after the last one, ERARD_STATUS_NOT_FINITE for a reading that is no number, and ERARD_STATUS_ARGUMENT for a
+ * board of contacts. Real time: yes; the work is that of the time since the last scan for the keys that move, and
+ * nearly none for those at rest.
  */
 ErardStatus erard_board_scan(struct ErardBoard *board,
                              double time_s,
@@ -1092,6 +1203,98 @@ ErardStatus erard_board_calibrate(uint32_t key,
                                   size_t count,
                                   double period_s,
                                   struct ErardStops *stops);
+
+/**
+ * Returns the number of bytes that a board of so many keys with contacts takes; 0 for no key or more than 88. Real
+ * time: yes.
+ */
+size_t erard_board_contacts_bytes(uint32_t key_count);
+
+/**
+ * Makes a board of keys with contacts in `memory` of `bytes` bytes (erard_board_contacts_bytes,
+ * erard_board_alignment), which stays the caller's and must not move. Of the setup it takes the keys, the channel and
+ * the laws of velocities; all else must be 0. `contacts` is read during the call. Nothing is simulated: the tables are
+ * those of `contacts`. Returns the board, or NULL on failure: `status` (which may be NULL) receives the reason, and
+ * erard_last_error describes it. Real time: no, but nothing is allocated.
+ */
+struct ErardBoard *erard_board_contacts_new(void *memory,
+                                            size_t bytes,
+                                            const struct ErardBoardSetup *setup,
+                                            const struct ErardContacts *contacts,
+                                            ErardStatus *status);
+
+/**
+ * Takes an edge of a contact at an instant, s on the scanner's clock: `key` counts from 1, the lowest A of a piano,
+ * `contact` from 1, the upper one; `is_made` is 1 as it closes, 0 as it opens. Bounces may be given, too. Writes the
+ * resulting MIDI bytes, whole messages, to `midi`, which must have room for ERARD_BOARD_KEY_BYTES for each key, and
+ * their number to `length`. A note-on is written as the lowest contact closes, before the hammer meets its string.
+ * Returns ERARD_STATUS_NO_SUCH for a key or contact that the board does not have, ERARD_STATUS_RANGE for an instant
+ * before the last one, and ERARD_STATUS_ARGUMENT for a board without contacts. Real time: yes.
+ */
+ErardStatus erard_board_edge(struct ErardBoard *board,
+                             double time_s,
+                             uint32_t key,
+                             uint32_t contact,
+                             uint32_t is_made,
+                             uint8_t *midi,
+                             size_t room,
+                             size_t *length);
+
+/**
+ * Goes on to an instant, s on the scanner's clock, at which no contact has changed: one that stayed changed after its
+ * bounces has changed. Call it in every scan without an edge; the next edge of any key does the same. Writes to `midi`
+ * and `length` as erard_board_edge does, and returns what that returns. Real time: yes.
+ */
+ErardStatus erard_board_until(struct ErardBoard *board, double time_s, uint8_t *midi, size_t room, size_t *length);
+
+/**
+ * Fills the tables of contacts, and which of them ends a note, by a simulated action, as `erard calibrate --contacts`
+ * does: reads `count`, `depths_m` and the scan's numbers of `contacts`, and writes `off`, `point_count` and `points`.
+ * Middle C of a keyboard is pressed, struck and re-struck, which takes some seconds. `keyboard` is the text of a
+ * keyboard file (UTF-8, `length` bytes) whose base instrument is built in; NULL and 0 give the built-in concert grand.
+ * Where two or three contacts lie too near to each other, or below the key's dip, it returns ERARD_STATUS_RANGE. Not on
+ * a chip: a program there has the result as a constant. Real time: no.
+ */
+ErardStatus erard_contacts_simulate(struct ErardContacts *contacts, const char *keyboard, size_t length);
+
+/**
+ * Returns the number of bytes that a board of so many sensed hammers takes; 0 for none or more than 88. Real time:
+ * yes.
+ */
+size_t erard_board_hammers_bytes(uint32_t key_count);
+
+/**
+ * Makes a board whose sensors read the shanks of hammers, in `memory` of `bytes` bytes (erard_board_hammers_bytes,
+ * erard_board_alignment), which stays the caller's and must not move. `setup.travel_m` is the way of a head on its arc
+ * from its rest to its string; `kind`, `step_s`, `sensor_at_m` and `still` must be 0. `stops` has an element for each
+ * key: its `rest` is the reading of the hammer at rest, its `pressed` that of the hammer held against its string.
+ * `release` and `release_stops` describe the second sensors, whose stops are 0 for a key that has none; without them,
+ * both NULL, a note ends when its head has fallen to a quarter of its way, with velocity 64. Nothing is simulated.
+ * Returns the board, or NULL on failure: `status` (which may be NULL) receives the reason, and erard_last_error
+ * describes it. Real time: no, but nothing is allocated.
+ */
+struct ErardBoard *erard_board_hammers_new(void *memory,
+                                           size_t bytes,
+                                           const struct ErardBoardSetup *setup,
+                                           const struct ErardStops *stops,
+                                           const struct ErardRelease *release,
+                                           const struct ErardStops *release_stops,
+                                           ErardStatus *status);
+
+/**
+ * Takes the readings of all hammers' heads and, unless `releases` is NULL, of the second sensors, at an instant, s on
+ * the scanner's clock: `count` readings each, one for each key of the setup. Otherwise as erard_board_scan. A note-on
+ * is written when the next reading would come after the impact. Returns ERARD_STATUS_ARGUMENT for a board of others
+ * than hammers. Real time: yes.
+ */
+ErardStatus erard_board_scan_hammers(struct ErardBoard *board,
+                                     double time_s,
+                                     const float *heads,
+                                     const float *releases,
+                                     size_t count,
+                                     uint8_t *midi,
+                                     size_t room,
+                                     size_t *length);
 
 /**
  * Reads an instrument from the text of its file (UTF-8, `length` bytes). NULL and 0 give the built-in concert grand.

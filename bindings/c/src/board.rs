@@ -1,19 +1,22 @@
 //! A board: keys with sensors, from readings to bytes of MIDI, in the caller's memory. This file is compiled for chips,
-//! too (`bindings/firmware`): what differs there is `board_keys.rs`, the keys' actions.
+//! too (`bindings/firmware`): what differs there is `board_keys.rs`, the keys' actions. Boards of contacts and of
+//! sensed hammers, which simulate nothing, are `board_contacts.rs` and `board_hammers.rs`.
 
 use core::ffi::{c_char, c_void};
 use core::ops::RangeInclusive;
-use core::ptr::null_mut;
+use core::ptr::{NonNull, null_mut};
 
 use erard_live::SensorKind;
 use erard_live::board::Pedals;
 use erard_live::converter::Stops;
-use erard_live::sensing::{ScanClock, Sensor, Voice};
+use erard_live::sensing::{Scan, ScanClock, Sensor, Voice};
 use erard_live::sensor::FixedLaw;
 use erard_live::stops::Seen;
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
 use erard_midi::{KEYS, Law, Message, ReleaseLaw, Resolution};
 
+use crate::board_contacts::ContactKeys;
+use crate::board_hammers::HammerKeys;
 use crate::board_keys::{BoardKey, Shared, make};
 use crate::caller_struct::{CallerStruct, Place, given, given_nth};
 use crate::outcome::ErardStatus;
@@ -46,7 +49,7 @@ pub const ERARD_BOARD_KEY_BYTES: usize = 48;
 /// Bytes of a message.
 const MESSAGE_BYTES: usize = 6;
 /// Ranges: the sensed travel, m, and the length of a step, s.
-const TRAVEL_M: [f64; 2] = [0.5e-3, 0.1];
+pub(crate) const TRAVEL_M: [f64; 2] = [0.5e-3, 0.1];
 const STEP_S: [f64; 2] = [1e-6, 1e-3];
 
 /// What a board is made of. Zero is the usual choice of every field whose 0 says so.
@@ -147,7 +150,8 @@ unsafe impl CallerStruct for ErardStops {
 pub struct ErardBoardKey {
     /// sizeof(ErardBoardKey).
     pub struct_size: u32,
-    /// 1 if its action is at a complete rest: it then takes no steps, whatever keys beside it do.
+    /// 1 if its action is at a complete rest: it then takes no steps, whatever keys beside it do. Of contacts 1 if none
+    /// is closed and no note sounds, of hammers 1 if no note sounds.
     pub asleep: u32,
     /// Keystrokes that were limited so that no hammer goes faster than 8 m/s.
     pub limited_strokes: u32,
@@ -169,6 +173,20 @@ pub struct ErardBoardKey {
     pub fastest_hammer_m_per_s: f64,
     /// Present drift of the sensor's rest, as a share of its range.
     pub drift: f64,
+    /// Contacts: changes that were bounces.
+    pub bounces: u32,
+    /// Contacts: times that the lowest one closed although none above it had closed since the last note.
+    pub untimed_strokes: u32,
+    /// Contacts: times that the key came to its lowest one too slowly to throw a hammer.
+    pub slow_strokes: u32,
+    /// Contacts: times that one closed after the one below it.
+    pub swapped_contacts: u32,
+    /// Contacts: times that they closed in less than half the time of the fastest press, as wires that touch do.
+    pub fast_strokes: u32,
+    /// Hammers: rises of 3 mm or more that turned before the string.
+    pub lifts: u32,
+    /// Hammers: the highest place of the head below its string, m.
+    pub nearest_m: f64,
 }
 
 impl Default for ErardBoardKey {
@@ -178,8 +196,8 @@ impl Default for ErardBoardKey {
     }
 }
 
-// SAFETY: a `repr(C)` struct of eight u32 and four f64: no padding, and every bit pattern is a value. `struct_size` is
-// its first field.
+// SAFETY: a `repr(C)` struct of eight u32, four f64, six u32 and an f64: no padding, and every bit pattern is a value.
+// `struct_size` is its first field.
 unsafe impl CallerStruct for ErardBoardKey {
     const FIRST_BYTES: usize = 64;
 }
@@ -191,15 +209,164 @@ const _: () = assert!(size_of::<ErardBoardKey>() >= ErardBoardKey::FIRST_BYTES);
 
 /// Keys with sensors, in memory of the caller. One thread at a time may use it. It must stay where it was made.
 pub struct ErardBoard {
-    shared: Shared,
-    voice: Voice<'static>,
-    clock: ScanClock,
+    pub(crate) voice: Voice<'static>,
+    pub(crate) clock: ScanClock,
     pedals: Pedals,
     first_key: u32,
     lost_messages: u32,
-    /// Behind the board in the same memory; `None` for a key without a sensor.
-    keys: *mut Option<BoardKey>,
     key_count: usize,
+    /// Behind the board in the same memory. A program calls the methods of the kinds of boards that it makes only.
+    keys: NonNull<dyn Keys>,
+}
+
+/// What the keys of a board sense.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sensed {
+    /// The travel of each key.
+    Travel,
+    /// So many contacts of each key.
+    Contacts(usize),
+    /// The travel of each hammer's head.
+    Hammers,
+}
+
+/// Receives messages.
+pub(crate) type Send<'a> = &'a mut dyn FnMut(Message);
+
+/// The keys of a board, all of one kind.
+pub(crate) trait Keys {
+    fn sensed(&self) -> Sensed;
+
+    /// Takes what all sensors read in a scan: the first of each key, and the second where there are two.
+    fn scan(&mut self, scan: &Scan, readings: (&[f32], Option<&[f32]>), voice: &Voice<'_>, send: Send<'_>) {
+        let _ = (scan, readings, voice, send);
+    }
+
+    /// Goes on to an instant, s, and takes the edge of a key's contact, both from 0: whether it has closed.
+    fn edge(&mut self, time_s: f64, edge: Option<(usize, usize, bool)>, voice: &Voice<'_>, send: Send<'_>) {
+        let _ = (time_s, edge, voice, send);
+    }
+
+    /// Lets all of them go at an instant, s.
+    fn let_go(&mut self, time_s: f64, voice: &Voice<'_>, send: Send<'_>);
+
+    /// Puts all of them back to where they were made; returns whether that was possible.
+    fn reset(&mut self) -> bool;
+
+    /// Changes the sensors' law.
+    fn set_law(&mut self, law: FixedLaw) {
+        let _ = law;
+    }
+
+    /// The state of a key, from 0; `None` for one that is not there.
+    fn read(&self, index: usize) -> Option<ErardBoardKey>;
+}
+
+/// The keys of a kind and what they share, behind their board in the same memory.
+pub(crate) struct List<S, K> {
+    pub(crate) shared: S,
+    /// Behind this list in the same memory; `None` for a key without a sensor.
+    keys: *mut Option<K>,
+    count: usize,
+}
+
+impl<S, K> List<S, K> {
+    /// Where the list and its keys begin in a board's memory, bytes.
+    const AT: usize = size_of::<ErardBoard>().next_multiple_of(align_of::<Self>());
+    const KEYS_AT: usize = (Self::AT + size_of::<Self>()).next_multiple_of(align_of::<Option<K>>());
+    /// The alignment of its memory, bytes.
+    const ALIGNMENT: usize = larger(align_of::<ErardBoard>(), larger(align_of::<Self>(), align_of::<Option<K>>()));
+
+    /// The number of bytes that a board of so many keys takes; 0 for no key or more than 88.
+    pub(crate) fn bytes(key_count: u32) -> usize {
+        let count = key_count as usize;
+        if (1..=KEYS).contains(&count) { Self::KEYS_AT + count * size_of::<Option<K>>() } else { 0 }
+    }
+
+    /// What they share, and the keys.
+    pub(crate) fn parts(&mut self) -> (&mut S, &mut [Option<K>]) {
+        // SAFETY: `self.keys` is the place of `self.count` keys behind the list, all of which were written when the
+        // board was made; they are borrowed as long as the list is.
+        let keys = unsafe { core::slice::from_raw_parts_mut(self.keys, self.count) };
+        (&mut self.shared, keys)
+    }
+
+    /// A key, from 0.
+    pub(crate) fn key(&self, index: usize) -> Option<&K> {
+        // SAFETY: `self.keys` is the place of `self.count` keys behind the list, all of which were written when the
+        // board was made; they are borrowed as long as the list is.
+        let keys = unsafe { core::slice::from_raw_parts(self.keys, self.count) };
+        keys.get(index)?.as_ref()
+    }
+}
+
+impl<S, K> Drop for List<S, K> {
+    fn drop(&mut self) {
+        // SAFETY: `self.keys` is the place of `self.count` keys, written when the board was made; none is used again.
+        unsafe { core::ptr::drop_in_place(core::ptr::slice_from_raw_parts_mut(self.keys, self.count)) };
+    }
+}
+
+const fn larger(one: usize, other: usize) -> usize {
+    if one > other { one } else { other }
+}
+
+impl Keys for List<Shared, BoardKey> {
+    fn sensed(&self) -> Sensed {
+        Sensed::Travel
+    }
+
+    fn scan(&mut self, scan: &Scan, (readings, _): (&[f32], Option<&[f32]>), voice: &Voice<'_>, send: Send<'_>) {
+        let (shared, keys) = self.parts();
+        if let Some([ends_s, to_s]) = scan.gap {
+            for key in keys.iter_mut().flatten() {
+                key.let_go(shared, ends_s, voice, send);
+                key.jump(to_s);
+            }
+        }
+        for (key, reading) in keys.iter_mut().zip(readings) {
+            if let Some(key) = key {
+                key.take(shared, (scan.time_s, *reading), voice, send);
+            }
+        }
+    }
+
+    fn let_go(&mut self, time_s: f64, voice: &Voice<'_>, send: Send<'_>) {
+        let (shared, keys) = self.parts();
+        keys.iter_mut().flatten().for_each(|key| key.let_go(shared, time_s, voice, send));
+    }
+
+    fn reset(&mut self) -> bool {
+        let (shared, keys) = self.parts();
+        // All of them, whatever one answers.
+        keys.iter_mut().flatten().map(|key| key.reset(shared)).filter(|is_reset| !is_reset).count() == 0
+    }
+
+    fn set_law(&mut self, law: FixedLaw) {
+        self.parts().1.iter_mut().flatten().for_each(|key| key.set_law(law));
+    }
+
+    fn read(&self, index: usize) -> Option<ErardBoardKey> {
+        let own = self.key(index)?;
+        let (counts, (drift, beyond)) = (own.counts(), own.drift());
+        Some(ErardBoardKey {
+            asleep: u32::from(own.is_asleep()),
+            limited_strokes: counts.fast_strokes,
+            flutters: counts.flutters,
+            stuck: counts.stuck,
+            drifts_beyond: of_u64(beyond),
+            deep_readings: counts.deep_samples as f64,
+            non_finite_steps: counts.non_finite as f64,
+            fastest_hammer_m_per_s: counts.fastest_m_per_s,
+            drift,
+            ..ErardBoardKey::default()
+        })
+    }
+}
+
+/// A count, as far as it goes.
+pub(crate) fn of_u64(count: u64) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
 }
 
 /// What a board is asked for, checked.
@@ -214,17 +381,8 @@ pub(crate) struct Asked {
     pub sensor_at_m: Option<f64>,
 }
 
-/// Where the keys begin in a board's memory, bytes.
-const KEYS_AT: usize = size_of::<ErardBoard>().next_multiple_of(align_of::<Option<BoardKey>>());
-/// The alignment of its memory, bytes.
-const ALIGNMENT: usize = if align_of::<ErardBoard>() > align_of::<Option<BoardKey>>() {
-    align_of::<ErardBoard>()
-} else {
-    align_of::<Option<BoardKey>>()
-};
-
 /// The caller's room for bytes of MIDI.
-struct Out {
+pub(crate) struct Out {
     at: *mut u8,
     room: usize,
     used: usize,
@@ -233,7 +391,7 @@ struct Out {
 
 impl Out {
     /// Writes a whole message, or none of it.
-    fn put(&mut self, message: &Message) {
+    pub(crate) fn put(&mut self, message: &Message) {
         let bytes = message.bytes();
         if self.room - self.used < bytes.len() {
             self.lost = self.lost.saturating_add(1);
@@ -247,41 +405,39 @@ impl Out {
 }
 
 impl ErardBoard {
-    /// Its parts, and its keys.
-    fn parts(&mut self) -> (&mut Shared, &Voice<'static>, &mut [Option<BoardKey>]) {
-        // SAFETY: `self.keys` is the place of `self.key_count` keys behind the board, all of which were written when it
-        // was made; they are borrowed as long as the board is.
-        let keys = unsafe { core::slice::from_raw_parts_mut(self.keys, self.key_count) };
-        (&mut self.shared, &self.voice, keys)
+    /// Its keys, and its voice.
+    pub(crate) fn parts(&mut self) -> (&mut dyn Keys, &Voice<'static>) {
+        // SAFETY: `self.keys` is the list behind the board, which was written when it was made; it is borrowed as long
+        // as the board is.
+        (unsafe { self.keys.as_mut() }, &self.voice)
     }
 
-    fn room(&self) -> usize {
+    pub(crate) fn sensed(&self) -> Sensed {
+        // SAFETY: `self.keys` is the list behind the board, which was written when it was made; it is borrowed as long
+        // as the board is.
+        unsafe { self.keys.as_ref() }.sensed()
+    }
+
+    /// The place of a key, from 0; `None` for one that is not the board's.
+    pub(crate) fn index(&self, key: u32) -> Option<usize> {
+        key.checked_sub(self.first_key).map(|index| index as usize).filter(|index| *index < self.key_count)
+    }
+
+    pub(crate) fn room(&self) -> usize {
         self.key_count * ERARD_BOARD_KEY_BYTES
     }
 
-    fn scan(&mut self, time_s: f64, readings: &[f32], out: &mut Out) -> ErardStatus {
+    fn scan(&mut self, time_s: f64, readings: (&[f32], Option<&[f32]>), out: &mut Out) -> ErardStatus {
         let Some(scan) = self.clock.take(time_s) else { return ErardStatus::Range };
-        let (shared, voice, keys) = self.parts();
-        if let Some([ends_s, to_s]) = scan.gap {
-            for key in keys.iter_mut().flatten() {
-                key.let_go(shared, ends_s, voice, &mut |message| out.put(&message));
-                key.jump(to_s);
-            }
-        }
-        for (key, reading) in keys.iter_mut().zip(readings) {
-            if let Some(key) = key {
-                key.take(shared, (scan.time_s, *reading), voice, &mut |message| out.put(&message));
-            }
-        }
+        let (keys, voice) = self.parts();
+        keys.scan(&scan, readings, voice, &mut |message| out.put(&message));
         ErardStatus::Ok
     }
 
     fn let_go(&mut self, out: &mut Out) {
         let now_s = self.clock.now_s();
-        let (shared, voice, keys) = self.parts();
-        for key in keys.iter_mut().flatten() {
-            key.let_go(shared, now_s, voice, &mut |message| out.put(&message));
-        }
+        let (keys, voice) = self.parts();
+        keys.let_go(now_s, voice, &mut |message| out.put(&message));
         for pedal in [SUSTAIN, SOSTENUTO, SOFT] {
             if let Some(message) = self.pedals.take(self.voice.channel, pedal, 0.0) {
                 out.put(&message);
@@ -291,16 +447,46 @@ impl ErardBoard {
 
     fn reset(&mut self) -> ErardStatus {
         (self.clock, self.pedals, self.lost_messages) = (ScanClock::default(), Pedals::up(), 0);
-        let (shared, _, keys) = self.parts();
-        let faults = keys.iter_mut().flatten().map(|key| key.reset(shared)).filter(|is_reset| !is_reset).count();
-        if faults == 0 { ErardStatus::Ok } else { ErardStatus::Internal }
+        if self.parts().0.reset() { ErardStatus::Ok } else { ErardStatus::Internal }
+    }
+
+    /// Takes a scan of a caller's readings, the second ones only from sensors of releases.
+    ///
+    /// # Safety
+    /// `readings` are NULL or `count` readings each that do not change during the call. `midi` is NULL, or writable
+    /// memory for `room` bytes; `length` is NULL, or writable memory for a size.
+    pub(crate) unsafe fn take_scan(
+        &mut self,
+        time_s: f64,
+        readings: [*const f32; 2],
+        count: usize,
+        (midi, room, length): (*mut u8, usize, *mut usize),
+    ) -> ErardStatus {
+        let [first, second] = readings;
+        if first.is_null() {
+            return ErardStatus::Null;
+        }
+        if count != self.key_count {
+            return ErardStatus::Size;
+        }
+        // SAFETY: `first` is not NULL, and begins `count` readings, at most 88, that do not change during the call.
+        let first = unsafe { core::slice::from_raw_parts(first, count) };
+        // SAFETY: `second` is NULL, or begins `count` readings, at most 88, that do not change during the call.
+        let second = (!second.is_null()).then(|| unsafe { core::slice::from_raw_parts(second, count) });
+        let are_finite = |all: &[f32]| all.iter().all(|reading| reading.is_finite());
+        if !time_s.is_finite() || !are_finite(first) || !second.is_none_or(are_finite) {
+            return ErardStatus::NotFinite;
+        }
+        let needed = self.room();
+        // SAFETY: `midi` is NULL, or writable memory for `room` bytes; `length` is NULL, or writable memory for a size.
+        unsafe { self.play((midi, room, length), needed, |board, out| board.scan(time_s, (first, second), out)) }
     }
 
     /// Plays into the caller's room, and tells how much of it was used.
     ///
     /// # Safety
     /// `bytes` is NULL, or writable memory for `room` bytes; `length` is NULL, or writable memory for a size.
-    unsafe fn play(
+    pub(crate) unsafe fn play(
         &mut self,
         (bytes, room, length): (*mut u8, usize, *mut usize),
         needed: usize,
@@ -326,12 +512,12 @@ impl ErardBoard {
 }
 
 /// A fault of a setup.
-fn refused(status: ErardStatus, what: &'static str) -> Fault {
+pub(crate) fn refused(status: ErardStatus, what: &'static str) -> Fault {
     Fault::of(status, &what)
 }
 
 /// Checks that a number is finite and lies in a range.
-fn within(number: f64, [low, high]: [f64; 2], what: &'static str) -> Result<f64, Fault> {
+pub(crate) fn within(number: f64, [low, high]: [f64; 2], what: &'static str) -> Result<f64, Fault> {
     if !number.is_finite() {
         Err(refused(ErardStatus::NotFinite, what))
     } else if !(low..=high).contains(&number) {
@@ -343,7 +529,7 @@ fn within(number: f64, [low, high]: [f64; 2], what: &'static str) -> Result<f64,
 
 impl ErardBoardSetup {
     /// The numbers of the keys; none outside a piano.
-    fn keys(&self) -> Result<RangeInclusive<usize>, Fault> {
+    pub(crate) fn keys(&self) -> Result<RangeInclusive<usize>, Fault> {
         let (first, count) = (self.first_key as usize, self.key_count as usize);
         if first == 0 || count == 0 || first > KEYS || count > KEYS + 1 - first {
             return Err(refused(ErardStatus::NoSuch, "first_key and key_count; expected keys from 1 to 88"));
@@ -351,7 +537,7 @@ impl ErardBoardSetup {
         Ok(first..=first + count - 1)
     }
 
-    fn voice(&self) -> Result<Voice<'static>, Fault> {
+    pub(crate) fn voice(&self) -> Result<Voice<'static>, Fault> {
         let channel = u8::try_from(self.channel).ok().filter(|channel| *channel < 16);
         let channel = channel.ok_or_else(|| refused(ErardStatus::Argument, "channel; expected 0 to 15"))?;
         let resolution = match self.velocity_bits {
@@ -384,7 +570,7 @@ impl ErardBoardSetup {
     }
 
     /// The sensor of a key whose stops are not known.
-    fn sensor(&self) -> Result<Sensor, Fault> {
+    pub(crate) fn sensor(&self) -> Result<Sensor, Fault> {
         let kind = match self.kind {
             ERARD_BOARD_ACTION => SensorKind::Action,
             ERARD_BOARD_LIGHT => SensorKind::Light,
@@ -404,6 +590,12 @@ impl ErardBoardSetup {
         Ok(Sensor { kind, law, stops: Stops { rest: 0.0, pressed: 1.0 }, still, travel_m, front_per_sensed: 1.0 })
     }
 
+    /// Checks that fields are 0 which mean nothing for a kind of board.
+    pub(crate) fn unused(fields: &[(bool, &'static str)]) -> Result<(), Fault> {
+        let used = fields.iter().find(|(is_zero, _)| !is_zero);
+        used.map_or(Ok(()), |(_, what)| Err(refused(ErardStatus::Argument, what)))
+    }
+
     fn asked(&self) -> Result<Asked, Fault> {
         let step_s = match self.step_s {
             0.0 => None,
@@ -416,7 +608,7 @@ impl ErardBoardSetup {
 }
 
 /// The stops of one of the caller's keys; `None` for a key without a sensor.
-unsafe fn stops_of(stops: *const ErardStops, index: usize) -> Result<Option<Stops>, Fault> {
+pub(crate) unsafe fn stops_of(stops: *const ErardStops, index: usize) -> Result<Option<Stops>, Fault> {
     // SAFETY: `stops` is NULL, or an initialised array of more than `index` structs of the size that the first one
     // states.
     let own = unsafe { given_nth(stops, index) }.map_err(|status| refused(status, "the stops"))?;
@@ -437,15 +629,65 @@ unsafe fn stops_of(stops: *const ErardStops, index: usize) -> Result<Option<Stop
 /// Returns the number of bytes that a board of so many keys takes; 0 for no key or more than 88. Real time: yes.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_board_bytes(key_count: u32) -> usize {
-    let count = key_count as usize;
-    if (1..=KEYS).contains(&count) { KEYS_AT + count * size_of::<Option<BoardKey>>() } else { 0 }
+    List::<Shared, BoardKey>::bytes(key_count)
 }
+
+/// The alignment of every board's memory, bytes.
+const ALIGNMENT: usize =
+    larger(List::<Shared, BoardKey>::ALIGNMENT, larger(ContactKeys::ALIGNMENT, HammerKeys::ALIGNMENT));
 
 /// Returns the alignment of a board's memory, bytes: memory of malloc has it, and so has an array of double on every
 /// usual machine. Real time: yes.
 #[unsafe(no_mangle)]
 pub extern "C" fn erard_board_alignment() -> usize {
     ALIGNMENT
+}
+
+/// Makes a board in a caller's memory: `make` writes its keys, and returns what they share.
+///
+/// # Safety
+/// `memory` is NULL, or writable memory of `bytes` bytes that nothing else uses as long as the board lasts. `make`
+/// writes all keys of the setup, or fails.
+pub(crate) unsafe fn begin<S, K>(
+    (memory, bytes): (*mut c_void, usize),
+    (setup, voice): (&ErardBoardSetup, Voice<'static>),
+    make: impl FnOnce(*mut Option<K>) -> Result<S, Fault>,
+) -> Result<*mut ErardBoard, Fault>
+where
+    List<S, K>: Keys + 'static,
+{
+    if memory.is_null() {
+        return Err(refused(ErardStatus::Null, "the memory"));
+    }
+    if !memory.addr().is_multiple_of(ALIGNMENT) {
+        return Err(refused(ErardStatus::Argument, "the memory; expected the alignment of erard_board_alignment"));
+    }
+    if bytes < List::<S, K>::bytes(setup.key_count) {
+        return Err(refused(ErardStatus::Size, "the memory; expected as many bytes as a board of this kind takes"));
+    }
+    let memory: *mut u8 = memory.cast();
+    // SAFETY: `memory` has room for board, list and keys, so that KEYS_AT and AT lie in it or at its end.
+    let (keys, list) =
+        unsafe { (memory.add(List::<S, K>::KEYS_AT).cast(), memory.add(List::<S, K>::AT).cast::<List<S, K>>()) };
+    let (shared, count) = (make(keys)?, setup.key_count as usize);
+    // SAFETY: `list` is aligned memory with room for a list, and not NULL.
+    let list = unsafe {
+        list.write(List { shared, keys, count });
+        NonNull::new_unchecked(list)
+    };
+    let board = ErardBoard {
+        voice,
+        clock: ScanClock::default(),
+        pedals: Pedals::up(),
+        first_key: setup.first_key,
+        lost_messages: 0,
+        key_count: count,
+        keys: list,
+    };
+    let place: *mut ErardBoard = memory.cast();
+    // SAFETY: `place` is aligned memory with room for a board.
+    unsafe { place.write(board) };
+    Ok(place)
 }
 
 /// Makes a board in `memory` of `bytes` bytes (erard_board_bytes, erard_board_alignment), which stays the caller's
@@ -470,60 +712,39 @@ pub unsafe extern "C" fn erard_board_new(
         let setup = unsafe { given(setup) }.map_err(|status| refused(status, "the setup"))?;
         let (voice, asked) = (setup.voice()?, setup.asked()?);
         let first = *asked.keys.start();
-        if memory.is_null() {
-            return Err(refused(ErardStatus::Null, "the memory"));
-        }
-        if !memory.addr().is_multiple_of(ALIGNMENT) {
-            return Err(refused(ErardStatus::Argument, "the memory; expected the alignment of erard_board_alignment"));
-        }
-        if bytes < erard_board_bytes(setup.key_count) {
-            return Err(refused(ErardStatus::Size, "the memory; expected the size of erard_board_bytes"));
-        }
         // Checked before anything is written.
         for index in 0..setup.key_count as usize {
             // SAFETY: `stops` is NULL, or an initialised array of as many structs as the setup has keys.
             unsafe { stops_of(stops, index) }?;
         }
-        // SAFETY: `memory` has room for the board and its keys, so that KEYS_AT lies in it or at its end.
-        let keys: *mut Option<BoardKey> = unsafe { memory.cast::<u8>().add(KEYS_AT) }.cast();
         let stops = |key: usize| {
             // SAFETY: `stops` is an initialised array of as many structs as the setup has keys, one of which is this.
             unsafe { stops_of(stops, key - first) }.unwrap_or_default()
         };
-        let mut put = |key: usize, made: Option<BoardKey>| {
-            // SAFETY: `keys` is aligned memory with room for the keys of the setup, one of which is this.
-            unsafe { keys.add(key - first).write(made) };
+        let make = |keys: *mut Option<BoardKey>| {
+            let mut put = |key: usize, made: Option<BoardKey>| {
+                // SAFETY: `keys` is aligned memory with room for the keys of the setup, one of which is this.
+                unsafe { keys.add(key - first).write(made) };
+            };
+            // SAFETY: `keyboard` is NULL, or `length` readable bytes that do not change during the call.
+            unsafe { make(&asked, (keyboard, length), &stops, &mut put) }
         };
-        // SAFETY: `keyboard` is NULL, or `length` readable bytes that do not change during the call.
-        let shared = unsafe { make(&asked, (keyboard, length), &stops, &mut put) }?;
-        let board = ErardBoard {
-            shared,
-            voice,
-            clock: ScanClock::default(),
-            pedals: Pedals::up(),
-            first_key: setup.first_key,
-            lost_messages: 0,
-            keys,
-            key_count: setup.key_count as usize,
-        };
-        let place: *mut ErardBoard = memory.cast();
-        // SAFETY: `place` is aligned memory with room for a board.
-        unsafe { place.write(board) };
-        Ok(place)
+        // SAFETY: `memory` is NULL, or writable memory of `bytes` bytes that stays the board's; `make` writes all keys.
+        unsafe { begin::<Shared, BoardKey>((memory, bytes), (&setup, voice), make) }
     })
 }
 
-/// Gives back what erard_board_new took beside the caller's memory, which may then be used otherwise. NULL does
-/// nothing. Real time: no.
+/// Gives back what the function that made the board took beside the caller's memory, which may then be used otherwise.
+/// NULL does nothing. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_board_free(board: *mut ErardBoard) {
     if !board.is_null() {
         quick(|| {
-            // SAFETY: `board` is not NULL, comes from erard_board_new, has not been freed, and is not used again; so do
-            // its keys.
+            // SAFETY: `board` is not NULL, comes from a function that makes boards, has not been freed, and is not used
+            // again; so do its keys.
             unsafe {
-                let (keys, count) = ((*board).keys, (*board).key_count);
-                core::ptr::drop_in_place(core::ptr::slice_from_raw_parts_mut(keys, count));
+                let keys = (*board).keys;
+                core::ptr::drop_in_place(keys.as_ptr());
                 core::ptr::drop_in_place(board);
             }
             ErardStatus::Ok
@@ -533,15 +754,16 @@ pub unsafe extern "C" fn erard_board_free(board: *mut ErardBoard) {
 
 /// Gives the sensors of all keys a law of your own: `count` points, at least two, each the share of a reading's range
 /// and the share of the travel, both from 0 to 1, ascending. The points are not copied: they must last as long as the
-/// board, in flash, say. Call it before the first scan. Returns ERARD_STATUS_ARGUMENT for points that do not rise from
-/// {0, 0} to {1, 1}. Real time: yes.
+/// board, in flash, say. Call it before the first scan. Of hammers it is the law of their heads' sensors. Returns
+/// ERARD_STATUS_ARGUMENT for points that do not rise from {0, 0} to {1, 1}, and for a board of contacts. Real time:
+/// yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_board_sensor_table(
     board: *mut ErardBoard,
     points: *const [f64; 2],
     count: usize,
 ) -> ErardStatus {
-    // SAFETY: `board` is NULL, or comes from erard_board_new, has not been freed, and no other call uses it meanwhile.
+    // SAFETY: `board` is NULL, or was made by this library, has not been freed, and no other call uses it meanwhile.
     let Some(board) = (unsafe { board.as_mut() }) else { return ErardStatus::Null };
     // SAFETY: `points` is NULL, or `count` points that do not change as long as the board is used.
     let points = match unsafe { lasting(points, count) } {
@@ -549,11 +771,10 @@ pub unsafe extern "C" fn erard_board_sensor_table(
         Err(status) => return status,
     };
     let law = FixedLaw::Table { points };
-    if law.check().is_err() {
+    if law.check().is_err() || matches!(board.sensed(), Sensed::Contacts(_)) {
         return ErardStatus::Argument;
     }
-    let (_, _, keys) = board.parts();
-    keys.iter_mut().flatten().for_each(|key| key.set_law(law));
+    board.parts().0.set_law(law);
     ErardStatus::Ok
 }
 
@@ -567,7 +788,7 @@ pub unsafe extern "C" fn erard_board_velocity_table(
     points: *const [f64; 2],
     count: usize,
 ) -> ErardStatus {
-    // SAFETY: `board` is NULL, or comes from erard_board_new, has not been freed, and no other call uses it meanwhile.
+    // SAFETY: `board` is NULL, or was made by this library, has not been freed, and no other call uses it meanwhile.
     let Some(board) = (unsafe { board.as_mut() }) else { return ErardStatus::Null };
     // SAFETY: `points` is NULL, or `count` points that do not change as long as the board is used.
     let points = match unsafe { lasting(points, count) } {
@@ -601,9 +822,10 @@ unsafe fn lasting(points: *const [f64; 2], count: usize) -> Result<&'static [[f6
 /// setup. Writes the resulting MIDI bytes, whole messages, to `midi`, which must have room for ERARD_BOARD_KEY_BYTES
 /// for each key, and their number to `length`. A note-on is written once its hammer has met the string, a note-off once
 /// the key, coming up, has set its damper down. After a gap of more than a second held notes end first, and nothing is
-/// simulated for it. Returns ERARD_STATUS_RANGE for an instant that is not after the last one, and
-/// ERARD_STATUS_NOT_FINITE for a reading that is no number. Real time: yes; the work is that of the time since the last
-/// scan for the keys that move, and nearly none for those at rest.
+/// simulated for it. Of hammers they are the readings of their heads. Returns ERARD_STATUS_RANGE for an instant that is
+/// not after the last one, ERARD_STATUS_NOT_FINITE for a reading that is no number, and ERARD_STATUS_ARGUMENT for a
+/// board of contacts. Real time: yes; the work is that of the time since the last scan for the keys that move, and
+/// nearly none for those at rest.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_board_scan(
     board: *mut ErardBoard,
@@ -614,22 +836,14 @@ pub unsafe extern "C" fn erard_board_scan(
     room: usize,
     length: *mut usize,
 ) -> ErardStatus {
-    // SAFETY: `board` is NULL, or comes from erard_board_new, has not been freed, and no other call uses it meanwhile.
+    // SAFETY: `board` is NULL, or was made by this library, has not been freed, and no other call uses it meanwhile.
     let Some(board) = (unsafe { board.as_mut() }) else { return ErardStatus::Null };
-    if readings.is_null() {
-        return ErardStatus::Null;
+    if matches!(board.sensed(), Sensed::Contacts(_)) {
+        return ErardStatus::Argument;
     }
-    if count != board.key_count {
-        return ErardStatus::Size;
-    }
-    // SAFETY: `readings` is not NULL, and begins `count` readings, at most 88, that do not change during the call.
-    let readings = unsafe { core::slice::from_raw_parts(readings, count) };
-    if !time_s.is_finite() || !readings.iter().all(|reading| reading.is_finite()) {
-        return ErardStatus::NotFinite;
-    }
-    let needed = board.room();
-    // SAFETY: `midi` is NULL, or writable memory for `room` bytes; `length` is NULL, or writable memory for a size.
-    unsafe { board.play((midi, room, length), needed, |board, out| board.scan(time_s, readings, out)) }
+    // SAFETY: `readings` is NULL, or `count` readings that do not change during the call. `midi` is NULL, or writable
+    // memory for `room` bytes; `length` is NULL, or writable memory for a size.
+    unsafe { board.take_scan(time_s, [readings, core::ptr::null()], count, (midi, room, length)) }
 }
 
 /// Takes the position of a pedal, 0 (up) to 1 (down), by its controller: 64 sustain, 66 sostenuto, 67 soft. Writes a
@@ -644,7 +858,7 @@ pub unsafe extern "C" fn erard_board_pedal(
     room: usize,
     length: *mut usize,
 ) -> ErardStatus {
-    // SAFETY: `board` is NULL, or comes from erard_board_new, has not been freed, and no other call uses it meanwhile.
+    // SAFETY: `board` is NULL, or was made by this library, has not been freed, and no other call uses it meanwhile.
     let Some(board) = (unsafe { board.as_mut() }) else { return ErardStatus::Null };
     if !down.is_finite() {
         return ErardStatus::NotFinite;
@@ -671,7 +885,7 @@ pub unsafe extern "C" fn erard_board_let_go(
     room: usize,
     length: *mut usize,
 ) -> ErardStatus {
-    // SAFETY: `board` is NULL, or comes from erard_board_new, has not been freed, and no other call uses it meanwhile.
+    // SAFETY: `board` is NULL, or was made by this library, has not been freed, and no other call uses it meanwhile.
     let Some(board) = (unsafe { board.as_mut() }) else { return ErardStatus::Null };
     let play = |board: &mut ErardBoard, out: &mut Out| {
         board.let_go(out);
@@ -686,7 +900,7 @@ pub unsafe extern "C" fn erard_board_let_go(
 /// pedals up. Nothing is sent. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_board_reset(board: *mut ErardBoard) -> ErardStatus {
-    // SAFETY: `board` is NULL, or comes from erard_board_new, has not been freed, and no other call uses it meanwhile.
+    // SAFETY: `board` is NULL, or was made by this library, has not been freed, and no other call uses it meanwhile.
     let Some(board) = (unsafe { board.as_mut() }) else { return ErardStatus::Null };
     quick(|| board.reset())
 }
@@ -695,7 +909,7 @@ pub unsafe extern "C" fn erard_board_reset(board: *mut ErardBoard) -> ErardStatu
 /// a key that is not one of the board's, or has no sensor. Real time: yes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_board_read(board: *mut ErardBoard, key: u32, state: *mut ErardBoardKey) -> ErardStatus {
-    // SAFETY: `board` is NULL, or comes from erard_board_new, has not been freed, and no other call uses it meanwhile.
+    // SAFETY: `board` is NULL, or was made by this library, has not been freed, and no other call uses it meanwhile.
     let Some(board) = (unsafe { board.as_mut() }) else { return ErardStatus::Null };
     // SAFETY: `state` is NULL, or aligned and writable memory that begins with its size.
     let place = match unsafe { Place::new(state) } {
@@ -703,24 +917,9 @@ pub unsafe extern "C" fn erard_board_read(board: *mut ErardBoard, key: u32, stat
         Ok(None) => return ErardStatus::Null,
         Err(status) => return status,
     };
-    let (lost_messages, first) = (board.lost_messages, board.first_key);
-    let (_, _, keys) = board.parts();
-    let index = key.checked_sub(first).map(|index| index as usize);
-    let Some(Some(own)) = index.and_then(|index| keys.get(index)) else { return ErardStatus::NoSuch };
-    let (counts, (drift, beyond)) = (own.counts(), own.drift());
-    let now = ErardBoardKey {
-        asleep: u32::from(own.is_asleep()),
-        limited_strokes: counts.fast_strokes,
-        flutters: counts.flutters,
-        stuck: counts.stuck,
-        drifts_beyond: u32::try_from(beyond).unwrap_or(u32::MAX),
-        lost_messages,
-        deep_readings: counts.deep_samples as f64,
-        non_finite_steps: counts.non_finite as f64,
-        fastest_hammer_m_per_s: counts.fastest_m_per_s,
-        drift,
-        ..ErardBoardKey::default()
-    };
+    let lost_messages = board.lost_messages;
+    let Some(now) = board.index(key).and_then(|index| board.parts().0.read(index)) else { return ErardStatus::NoSuch };
+    let now = ErardBoardKey { lost_messages, ..now };
     // SAFETY: `place` is the caller's memory for one state, which nothing else uses during the call.
     unsafe { place.write(0, &now) };
     ErardStatus::Ok

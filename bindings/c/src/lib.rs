@@ -10,6 +10,10 @@ mod action;
 #[cfg(not(target_family = "wasm"))]
 mod board;
 #[cfg(not(target_family = "wasm"))]
+mod board_contacts;
+#[cfg(not(target_family = "wasm"))]
+mod board_hammers;
+#[cfg(not(target_family = "wasm"))]
 mod board_keys;
 mod caller_struct;
 mod event_detector;
@@ -22,6 +26,8 @@ mod keyboard;
 mod outcome;
 mod play;
 mod reading;
+#[cfg(not(target_family = "wasm"))]
+mod simulated_contacts;
 mod status;
 mod stroke;
 mod text;
@@ -32,11 +38,17 @@ mod workshop;
 pub use action::*;
 #[cfg(not(target_family = "wasm"))]
 pub use board::*;
+#[cfg(not(target_family = "wasm"))]
+pub use board_contacts::*;
+#[cfg(not(target_family = "wasm"))]
+pub use board_hammers::*;
 pub use event_detector::*;
 pub use halving::*;
 pub use instrument::*;
 pub use keyboard::*;
 pub use reading::*;
+#[cfg(not(target_family = "wasm"))]
+pub use simulated_contacts::*;
 pub use status::{ErardStatus, erard_last_error, erard_status_text};
 pub use stroke::*;
 pub use text::{erard_memory_free, erard_memory_new, erard_text_free};

@@ -8,6 +8,10 @@
 // The C interface of boards is that of `liberard`, from the same source.
 #[path = "../../c/src/board.rs"]
 mod board;
+#[path = "../../c/src/board_contacts.rs"]
+mod board_contacts;
+#[path = "../../c/src/board_hammers.rs"]
+mod board_hammers;
 mod board_keys;
 #[path = "../../c/src/caller_struct.rs"]
 mod caller_struct;
@@ -26,6 +30,8 @@ mod scan;
 mod status;
 
 pub use board::*;
+pub use board_contacts::*;
+pub use board_hammers::*;
 pub use grand::{BODIES, ZONES};
 pub use keyboard::{FRAMES, KEYS, PERIOD_S};
 pub use keys::{Key, Keys, LONG_STEP_S, LOWEST_KEY};

@@ -14,12 +14,17 @@ static ErardEventDetector *detector;
 static ErardReading readings[8];
 static ErardImpact impacts[4096];
 static ErardEvents events;
-static ErardBoard *board;
+static ErardBoard *board, *contact_board, *hammer_board;
+static ErardContacts contacts = {
+    .struct_size = sizeof contacts, .count = 2, .off = 1, .point_count = {2}, .depths_m = {3e-3, 6.5e-3}, .bounce_s = 2e-3,
+    .points = {{{5e-3, 5.0, 0.0, 0.0}, {80e-3, 0.3, 0.0, 0.0}}}
+};
+static ErardRelease release = {.struct_size = sizeof release, .travel_m = 0.01, .off_m = 4e-3};
 static ErardBoardSetup setup = {.struct_size = sizeof setup, .first_key = 40, .key_count = 2, .travel_m = 0.01};
 /* As many as a board has keys at most, whatever count is given. */
 static ErardStops key_stops[88];
 static ErardBoardKey board_key;
-static double board_memory[1 << 16], more_memory[1 << 16];
+static double board_memory[1 << 16], contact_memory[1 << 12], hammer_memory[1 << 12], more_memory[1 << 16];
 static ErardInput input;
 static ErardStatus status;
 static double doubles[4096], pairs[4096][2];
@@ -83,7 +88,12 @@ static void begin(void) {
         key_stops[k] = (ErardStops){.struct_size = sizeof *key_stops, .rest = 3500, .pressed = 700};
     }
     board = erard_board_new(board_memory, sizeof board_memory, &setup, key_stops, NULL, 0, &found);
-    if (!instrument || !action || !keyboard || !stroke || !detector || !board) {
+    ErardBoardSetup plain = {.struct_size = sizeof plain, .first_key = 40, .key_count = 2};
+    contact_board = erard_board_contacts_new(contact_memory, sizeof contact_memory, &plain, &contacts, &found);
+    plain.travel_m = 0.046;
+    hammer_board = erard_board_hammers_new(
+        hammer_memory, sizeof hammer_memory, &plain, key_stops, &release, key_stops, &found);
+    if (!instrument || !action || !keyboard || !stroke || !detector || !board || !contact_board || !hammer_board) {
         printf("wrong: the objects: %s\n", erard_last_error());
         exit(0);
     }
@@ -103,6 +113,8 @@ static void play(int which) {
     board_key.struct_size = size_by_chance(sizeof board_key, which / 2);
     key_stops[0].struct_size = size_by_chance(sizeof *key_stops, which / 2);
     setup.struct_size = size_by_chance(sizeof setup, which / 3);
+    contacts.struct_size = size_by_chance(sizeof contacts, which / 2);
+    release.struct_size = size_by_chance(sizeof release, which / 2);
     status = ERARD_STATUS_OK;
     count = 16;
     left = 3;
@@ -139,6 +151,8 @@ int main(int arguments, char **names) {
         if (erard_action_restore(action, saved, saved_size) < 0) wrong("it does not come back twice");
     }
     printf("ends: %d done, %d refused, %d wrong\n", done, refused, faults);
+    erard_board_free(hammer_board);
+    erard_board_free(contact_board);
     erard_board_free(board);
     erard_event_detector_free(detector);
     erard_stroke_free(stroke);

@@ -136,7 +136,12 @@ fn profile() -> String {
 
 /// The bytes that `erard live` sends for a stream: its keys, and its messages.
 fn live(stream: &str) -> Vec<u8> {
-    let profile = Profile::parse(&profile()).unwrap();
+    live_of(stream, &profile(), FIRST..FIRST + KEYS)
+}
+
+/// The bytes that `erard live` sends for a stream with a profile, whose keys are these.
+pub(crate) fn live_of(stream: &str, profile: &str, moved: std::ops::Range<usize>) -> Vec<u8> {
+    let profile = Profile::parse(profile).unwrap();
     let mut lines = stream.lines();
     let mut reader = Reader::new(Head::parse(lines.next().unwrap()).unwrap());
     let options = Options {
@@ -145,7 +150,7 @@ fn live(stream: &str) -> Vec<u8> {
         sensor_at_m: None,
         travel_m: None,
         ahead: false,
-        moved: Some((FIRST..FIRST + KEYS).collect()),
+        moved: Some(moved.collect()),
         threads: 2,
     };
     let instruments = erard::keyboard::Keyboard::builtin("concert-grand").unwrap().instruments().unwrap();
@@ -173,17 +178,37 @@ fn live(stream: &str) -> Vec<u8> {
     bytes
 }
 
-/// What the example in C, linked with a library, sends for a file.
-fn example(folder: &Path, library: &Path, readings: &Path) -> Vec<u8> {
-    let (program, root) = (folder.join("board"), env!("CARGO_MANIFEST_DIR"));
+/// What a program in C, linked with a library, sends for a file.
+pub(crate) fn sent(folder: &Path, source: &Path, library: &Path, input: &Path) -> Vec<u8> {
+    let (program, root) = (folder.join("program"), env!("CARGO_MANIFEST_DIR"));
     let mut cc = Command::new("cc");
     cc.args(["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"]);
-    cc.arg(format!("-I{root}/include")).arg(format!("{root}/examples/board.c")).arg(library);
+    cc.arg(format!("-I{root}/include")).arg(source).arg(library);
     run(cc.args(["-lpthread", "-ldl", "-lm", "-o"]).arg(&program));
-    let stdin = Stdio::from(std::fs::File::open(readings).unwrap());
+    let stdin = Stdio::from(std::fs::File::open(input).unwrap());
     let output = Command::new(&program).stdin(stdin).output().expect("it runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     output.stdout
+}
+
+/// What the example in C, linked with a library, sends for a file.
+fn example(folder: &Path, library: &Path, readings: &Path) -> Vec<u8> {
+    sent(folder, &Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/board.c"), library, readings)
+}
+
+/// What the command sends for a stream with a profile, where it was built beside this test.
+pub(crate) fn command(folder: &Path, stream: &Path, profile: &str) -> Option<Vec<u8>> {
+    let test = std::env::current_exe().unwrap();
+    let command = test.parent().and_then(Path::parent).map(|folder| folder.join("erard")).filter(|path| path.exists());
+    let Some(command) = command else {
+        not_run("no command `erard` beside this test");
+        return None;
+    };
+    std::fs::write(folder.join("profile.toml"), profile).unwrap();
+    let mut live = Command::new(command);
+    live.current_dir(folder).arg("live").arg(stream);
+    run(live.args(["--calibration", "profile.toml", "-o", "notes.bin", "--force"]));
+    Some(std::fs::read(folder.join("notes.bin")).unwrap())
 }
 
 /// The example in C sends the bytes of the command, byte for byte: a chord, a repetition, a keystroke that is limited
@@ -214,15 +239,10 @@ fn the_example_sends_the_bytes_of_the_command() {
         assert_eq!(example(folder.path(), &library("liberard_c.a"), &readings), expected, "the example");
     }
 
-    // The command itself, where it was built beside this test.
-    let test = std::env::current_exe().unwrap();
-    let command = test.parent().and_then(Path::parent).map(|folder| folder.join("erard")).filter(|path| path.exists());
-    let Some(command) = command else { return not_run("no command `erard` beside this test") };
-    std::fs::write(folder.path().join("profile.toml"), profile()).unwrap();
-    let mut live = Command::new(command);
-    live.current_dir(folder.path()).args(["live", "readings.csv", "--calibration", "profile.toml", "-o", "notes.bin"]);
-    run(&mut live);
-    assert_eq!(std::fs::read(folder.path().join("notes.bin")).unwrap(), expected, "the command");
+    // The command itself.
+    if let Some(bytes) = command(folder.path(), &readings, &profile()) {
+        assert_eq!(bytes, expected, "the command");
+    }
 }
 
 /// Plays 150 scans of a loud press, from a scan on.
@@ -425,6 +445,15 @@ fn stops_are_those_of_the_command() {
     }
 }
 
+/// The library for chips, compiled for this machine in a folder.
+pub(crate) fn for_chips(folder: &Path) -> std::path::PathBuf {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args(["rustc", "--release", "--lib", "--crate-type", "staticlib", "--manifest-path"]);
+    cargo.arg(format!("{}/../firmware/Cargo.toml", env!("CARGO_MANIFEST_DIR")));
+    run(cargo.arg("--target-dir").arg(folder));
+    folder.join("release/liberard_firmware.a")
+}
+
 mod nightly {
     use super::*;
 
@@ -443,14 +472,9 @@ mod nightly {
             return;
         }
         let folder = tempfile::tempdir().expect("a folder");
-        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-        cargo.args(["rustc", "--release", "--lib", "--crate-type", "staticlib", "--manifest-path"]);
-        cargo.arg(format!("{}/../firmware/Cargo.toml", env!("CARGO_MANIFEST_DIR")));
-        run(cargo.arg("--target-dir").arg(folder.path()));
         let (text, readings) = (stream(&scans()), folder.path().join("readings.csv"));
         std::fs::write(&readings, &text).unwrap();
-        let archive = folder.path().join("release/liberard_firmware.a");
-        let (found, expected) = (example(folder.path(), &archive, &readings), live(&text));
+        let (found, expected) = (example(folder.path(), &for_chips(folder.path()), &readings), live(&text));
         for note in 60..63 {
             let [found, expected] = [&found, &expected].map(|bytes| of_note(bytes, note));
             println!("{note}: {found:02x?} {expected:02x?}");

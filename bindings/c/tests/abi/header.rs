@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-const SOURCES: [&str; 13] = [
+const SOURCES: [&str; 16] = [
     "version.rs",
     "outcome.rs",
     "status.rs",
@@ -12,6 +12,9 @@ const SOURCES: [&str; 13] = [
     "keyboard.rs",
     "halving.rs",
     "board.rs",
+    "board_contacts.rs",
+    "simulated_contacts.rs",
+    "board_hammers.rs",
     "instrument.rs",
     "workshop.rs",
     "event_detector.rs",

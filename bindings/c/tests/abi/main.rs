@@ -3,6 +3,7 @@
 mod attack;
 mod bad_callers;
 mod board;
+mod board_kinds;
 mod exact;
 mod fmi;
 mod fmi_keyboard;
