@@ -1,5 +1,5 @@
-//! Habits of files that other programs write, as their users report them. What is right was written down before each was
-//! read for the first time; `first` says what came out then.
+//! Habits of files that other programs write, as their users report them. What is right was written down before each
+//! was read for the first time; `first` says what came out then.
 
 use erard_midi::file::{Piece, read};
 
