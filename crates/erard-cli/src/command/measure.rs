@@ -30,7 +30,9 @@ use crate::number::whole;
 use crate::paper::PageHeader;
 use crate::print_line;
 use crate::session::Session;
-use crate::sheet::{self, AdvisedInstrument, ORDER, before_and_after, beyond, in_the_end, left, tasks};
+use crate::sheet::{
+    self, AdvisedInstrument, ORDER, READ_AGAIN, STAYS_OUT, before_and_after, beyond, in_the_end, left, tasks,
+};
 use crate::table::spaced;
 use crate::units::Lengths;
 use crate::warn;
@@ -230,8 +232,10 @@ impl Measure {
             if let Some(in_the_end) = in_the_end(&one.list) {
                 print_line!(session, "    in the end: {in_the_end}");
             }
-            for line in left(&one.list, self.lengths) {
-                print_line!(session, "    stays out: {line}");
+            for heading in [READ_AGAIN, STAYS_OUT] {
+                for line in left(&one.list, heading, self.lengths) {
+                    print_line!(session, "    {}: {}", heading.to_lowercase(), line.why);
+                }
             }
             for line in beyond(&one.measured.sheet) {
                 print_line!(session, "    not by this list: {line}");

@@ -5,6 +5,7 @@ use erard_workshop::measure::norms::lines;
 use serde_json::Value;
 
 use super::shown;
+use crate::sheet::{READ_AGAIN, STAYS_OUT};
 use crate::table::Table;
 use crate::units::Lengths;
 
@@ -103,7 +104,9 @@ pub(crate) fn of_sheet(answer: &Value) -> Vec<String> {
     }
     let text = |task: &Value, key: &str| task[key].as_str().unwrap_or_default().to_owned();
     lines.extend((1..).zip(tasks).map(|(at, task)| format!("  {at}. {}: {}", text(task, "what"), text(task, "by"))));
-    let out = answer["sheet"]["stays_out"].as_array().into_iter().flatten();
-    lines.extend(out.map(|left| format!("Stays out: {}", text(left, "why"))));
+    for (name, heading) in [("read_again", READ_AGAIN), ("stays_out", STAYS_OUT)] {
+        let left = answer["sheet"][name].as_array().into_iter().flatten();
+        lines.extend(left.map(|left| format!("{heading}: {}", text(left, "why"))));
+    }
     lines
 }

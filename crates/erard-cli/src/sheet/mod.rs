@@ -6,7 +6,7 @@ mod words;
 
 pub(crate) use advised::{AdvisedInstrument, Task};
 pub(crate) use page::html;
-pub(crate) use words::{ORDER, beyond, in_the_end, left, tasks};
+pub(crate) use words::{ORDER, READ_AGAIN, STAYS_OUT, beyond, in_the_end, left, tasks};
 
 use erard_workshop::worklist::ReadingQuantity;
 
@@ -37,7 +37,10 @@ pub(crate) fn report(one: &AdvisedInstrument<'_>) -> serde_json::Value {
     let (sheet, page_header) = (&one.measured.sheet, one.page_header);
     let mut out: Vec<&str> = sheet.flags.iter().map(|flag| flag.key).collect();
     out.dedup();
-    let stays = one.list.left.iter().zip(left(&one.list, Lengths::default()));
+    let of = |heading: &str| {
+        let lines = left(&one.list, heading, Lengths::default()).into_iter();
+        lines.map(|line| serde_json::json!({"key": line.quantity.key(), "why": line.why})).collect::<Vec<_>>()
+    };
     serde_json::json!({
         "instrument": one.measured.label,
         "norms_for_key": sheet.norms_for_key,
@@ -49,8 +52,7 @@ pub(crate) fn report(one: &AdvisedInstrument<'_>) -> serde_json::Value {
         "readings_before": readings(&one.list.before),
         "readings_after": readings(&one.list.after),
         "not_by_this_list": beyond(sheet),
-        "stays_out": stays
-            .map(|(left, why)| serde_json::json!({"key": left.quantity.key(), "why": why}))
-            .collect::<Vec<_>>(),
+        "read_again": of(READ_AGAIN),
+        "stays_out": of(STAYS_OUT),
     })
 }

@@ -6,7 +6,7 @@ use erard_workshop::regulate::{CAPSTAN_THREAD_M, SMALL_THREAD_M};
 use erard_workshop::worklist::ReadingQuantity;
 use maud::{Markup, html};
 
-use super::{AdvisedInstrument, ORDER, beyond, in_the_end, left, tasks};
+use super::{AdvisedInstrument, ORDER, READ_AGAIN, STAYS_OUT, beyond, in_the_end, left, tasks};
 use crate::measure::{shown, usual};
 use crate::paper::{page, picture};
 use crate::table::Table;
@@ -137,7 +137,6 @@ fn values(heading: &str, values: &[Value], one: &AdvisedInstrument<'_>) -> Marku
 
 fn to_do(one: &AdvisedInstrument<'_>) -> Markup {
     let tasks = tasks(one);
-    let stays = left(&one.list, one.lengths);
     let only_flags = tasks.is_empty() && !one.measured.sheet.flags.is_empty();
     html! {
         @if tasks.is_empty() {
@@ -155,8 +154,10 @@ fn to_do(one: &AdvisedInstrument<'_>) -> Markup {
         @if let Some(in_the_end) = in_the_end(&one.list) {
             p.soft { "In the end: " (in_the_end) "." }
         }
-        @for line in stays {
-            p.soft { "Stays out: " (line) "." }
+        @for heading in [READ_AGAIN, STAYS_OUT] {
+            @for line in left(&one.list, heading, one.lengths) {
+                p.soft { (heading) ": " (line.why) "." }
+            }
         }
         @for line in beyond(&one.measured.sheet) {
             p.soft { "Not by this list: " (line) "." }

@@ -2,7 +2,7 @@
 
 use erard_workshop::measure::Sheet;
 use erard_workshop::regulate::{Handwork, known_screw, turns_text};
-use erard_workshop::worklist::{Item, ReadingQuantity, Readings, Why, Work, Worklist};
+use erard_workshop::worklist::{Item, Left, ReadingQuantity, Readings, Why, Work, Worklist};
 
 use super::{AdvisedInstrument, Task};
 use crate::table::decimal;
@@ -29,13 +29,29 @@ pub(crate) fn in_the_end(list: &Worklist) -> Option<&'static str> {
     has_turned.then_some(again)
 }
 
-/// What stays out of its range, and why: a line each.
-pub(crate) fn left(list: &Worklist, lengths: Lengths) -> Vec<String> {
-    let line = |quantity: ReadingQuantity, why: &Why| {
+/// What the list leaves: its quantity, and why, a line each.
+pub(crate) struct LeftLine {
+    pub(crate) quantity: ReadingQuantity,
+    pub(crate) why: String,
+}
+
+/// Heading of a line that stays out of its range, and of one that is read again, because the list cannot know it.
+pub(crate) const STAYS_OUT: &str = "Stays out";
+pub(crate) const READ_AGAIN: &str = "Read again";
+
+/// What the list leaves under a heading.
+pub(crate) fn left(list: &Worklist, heading: &str, lengths: Lengths) -> Vec<LeftLine> {
+    let line = |left: &Left| {
+        let quantity = left.quantity;
         let reads = reading(quantity, &list.after, lengths);
-        format!("{} {reads}: {}", name(quantity), why_words(quantity, why))
+        let reads = match (left.why.is_read_again(), list.after.get(quantity)) {
+            (true, None) => String::new(),
+            (true, Some(_)) => format!(", perhaps {reads}"),
+            (false, _) => format!(" {reads}"),
+        };
+        LeftLine { quantity, why: format!("{}{reads}: {}", name(quantity), why_words(quantity, &left.why)) }
     };
-    list.left.iter().map(|left| line(left.quantity, &left.why)).collect()
+    list.left.iter().filter(|left| left.why.is_read_again() == (heading == READ_AGAIN)).map(line).collect()
 }
 
 /// What is out of its range and no line of work is for, with what it comes from: a line each. Other readings of the
@@ -254,6 +270,31 @@ mod tests {
     use erard_workshop::balance::{Lead, LeadWork};
 
     use super::*;
+
+    /// What the list cannot know is read again; what stays out of its range does so for a reason.
+    #[test]
+    fn what_is_read_again_does_not_stay_out() {
+        let grand = Instrument::builtin("concert-grand").unwrap();
+        let mut before = Readings::of(&grand, &mut |_| true).unwrap();
+        before.set(ReadingQuantity::Drop, Some(2.7));
+        before.set(ReadingQuantity::FrontWeight, Some(32.2));
+        before.set(ReadingQuantity::Aftertouch, None);
+        let of = |quantity: ReadingQuantity, why: Why| Left { quantity, why };
+        let left_lines = vec![
+            of(ReadingQuantity::Drop, Why::ReadAgain),
+            of(ReadingQuantity::Aftertouch, Why::Unreadable),
+            of(ReadingQuantity::FrontWeight, Why::Follows),
+        ];
+        let list = Worklist { key: 40, before, items: vec![], after: before, left: left_lines, copy: grand };
+        let said = |heading: &str| -> Vec<String> {
+            left(&list, heading, Lengths::default()).into_iter().map(|line| line.why).collect()
+        };
+        let [again, out] = [READ_AGAIN, STAYS_OUT].map(said);
+        assert_eq!((again.len(), out.len()), (2, 1), "{again:?} {out:?}");
+        assert!(again[0].starts_with("drop, perhaps 2.7 mm: other lines change it"), "{again:?}");
+        assert!(again[1].starts_with("aftertouch: it cannot be known before"), "{again:?}");
+        assert!(out[0].starts_with("front weight 32.2 g: above its ceiling"), "{out:?}");
+    }
 
     /// Work that a hand does until something reads right says what reads how, in whole grams: friction and leads by the
     /// weights on the key, but no farther than the front weight's ceiling, a check by where it catches the hammer, or

@@ -82,6 +82,14 @@ pub enum Why {
     Follows,
 }
 
+impl Why {
+    /// Whether the line is only not known yet, so that it is read again and may be in its range then.
+    #[must_use]
+    pub fn is_read_again(&self) -> bool {
+        matches!(self, Why::ReadAgain | Why::Unreadable)
+    }
+}
+
 /// A line that the list leaves out of its range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Left {
