@@ -13,9 +13,10 @@ const MAX_FILES: usize = 18;
 const MAX_METHODS: usize = 12;
 
 /// Members of the workspace that serve no product: a second step, textbook problems, benchmarks, the papers' programs,
-/// digests of another machine. `.ci/run` builds and tests them; `cargo run` and `cargo test` do not compile them.
-const NO_PRODUCTS: [&str; 5] =
-    ["moreau-rigid", "moreau-conformance", "erard-bench", "erard-reproduce", "erard-wasm-digests"];
+/// digests of another machine, the book's equations. `.ci/run` builds and tests them; `cargo run` and `cargo test` do
+/// not compile them.
+const NO_PRODUCTS: [&str; 6] =
+    ["moreau-rigid", "moreau-conformance", "erard-bench", "erard-reproduce", "erard-wasm-digests", "erard-equations"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")

@@ -22,7 +22,7 @@ pub enum Kind {
     NoRun,
     /// `text,output`: all that the last command printed, but for numbers.
     Output,
-    /// `text`: formulas and sketches.
+    /// `text`, `math`: sketches and equations.
     Text,
     /// `toml`, `csv`, `json`: an excerpt that must parse.
     Excerpt(Format),
@@ -92,7 +92,7 @@ fn kind(info: &str) -> Result<Kind, String> {
         ("sh", _, None) if mark.is_empty() => Kind::Run,
         ("sh", _, None) if mark == "fails" => Kind::Fails,
         ("sh", _, None) if mark == "no_run" => Kind::NoRun,
-        ("text", _, None) if mark.is_empty() => Kind::Text,
+        ("text" | "math", _, None) if mark.is_empty() => Kind::Text,
         ("text", _, None) if mark == "output" => Kind::Output,
         (_, Some(format), None) if mark.is_empty() => Kind::Excerpt(format),
         (_, Some(_), Some(("file", name))) => Kind::File(name.into()),

@@ -76,22 +76,21 @@ fn resolve(from: &str, target: &str) -> String {
     path.join("/")
 }
 
-/// The anchors that mdBook gives to a chapter's headings.
+/// The anchors that mdBook gives to a chapter's headings, and those above its equations.
 fn anchors(text: &str) -> Vec<String> {
-    prose(text)
-        .filter_map(|line| line.strip_prefix('#'))
-        .map(|line| {
-            let title = line.trim_start_matches('#').trim().to_lowercase();
-            title
-                .chars()
-                .filter_map(|c| match c {
-                    c if c.is_alphanumeric() || c == '_' || c == '-' => Some(c),
-                    c if c.is_whitespace() => Some('-'),
-                    _ => None,
-                })
-                .collect()
-        })
-        .collect()
+    let equations = prose(text).filter_map(|line| line.strip_prefix("<a id=\"")?.strip_suffix("\"></a>"));
+    let headings = prose(text).filter_map(|line| line.strip_prefix('#')).map(|line| {
+        let title = line.trim_start_matches('#').trim().to_lowercase();
+        title
+            .chars()
+            .filter_map(|c| match c {
+                c if c.is_alphanumeric() || c == '_' || c == '-' => Some(c),
+                c if c.is_whitespace() => Some('-'),
+                _ => None,
+            })
+            .collect()
+    });
+    headings.chain(equations.map(str::to_owned)).collect()
 }
 
 #[test]
@@ -100,5 +99,5 @@ fn links_are_found_outside_code() {
     assert_eq!(targets(text), ["b.md", "../pictures/x/y.svg", "f.md#g"]);
     assert_eq!(pictures(text), ["pictures/x/y.svg"]);
     assert_eq!(resolve("model/a.md", "../b.md"), "b.md");
-    assert_eq!(anchors("# One, two: `x`\n## F = k g^r\n"), ["one-two-x", "f--k-gr"]);
+    assert_eq!(anchors("# One, two: `x`\n<a id=\"t1\"></a>\n## F = k g^r\n"), ["one-two-x", "f--k-gr", "t1"]);
 }
