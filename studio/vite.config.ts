@@ -49,7 +49,7 @@ const studio = (): Plugin => ({
     handler: (html, { server, path }) => {
       const policy = server ? "" : `<meta http-equiv="Content-Security-Policy" content="${POLICY}">`;
       html = last(html);
-      return html.replace("<!--policy-->", policy).replace("<!--examples-->", cards).replace("<!--picture-->", path.endsWith("index.html") ? plain() : picture());
+      return html.replace("<!--policy-->", policy).replace("<!--examples-->", cards).replace("<!--picture-->", path.endsWith("tools.html") ? picture() : plain());
     },
   },
   configureServer(server) {
@@ -61,8 +61,8 @@ const studio = (): Plugin => ({
   },
   generateBundle(_, bundle) {
     this.emitFile({ type: "asset", fileName: "engine.bin", source: built("engine.bin") });
-    const files = ["./", "tools.html", "engine.bin", "icon.svg", "studio.webmanifest", ...Object.keys(bundle).filter((name) => !name.endsWith(".html") && name !== "engine.bin")];
-    const version = createHash("sha256").update(built("engine.bin")).update(Object.keys(bundle).join()).update(built("picture.svg")).update(built("pictures.json")).update(page("index.html")).update(page("tools.html")).digest("hex").slice(0, 16);
+    const files = ["./", "tools.html", "action.html", "engine.bin", "icon.svg", "studio.webmanifest", ...Object.keys(bundle).filter((name) => !name.endsWith(".html") && name !== "engine.bin")];
+    const version = createHash("sha256").update(built("engine.bin")).update(Object.keys(bundle).join()).update(built("picture.svg")).update(built("pictures.json")).update(page("index.html")).update(page("tools.html")).update(page("action.html")).digest("hex").slice(0, 16);
     const source = readFileSync(new URL("./src/sw.js", import.meta.url), "utf8").replace("/*version*/", version).replace("/*files*/", files.map((name) => JSON.stringify(name)).join(", "));
     this.emitFile({ type: "asset", fileName: "sw.js", source });
   },
@@ -71,7 +71,7 @@ const studio = (): Plugin => ({
 export default defineConfig({
   base: "./",
   plugins: [studio()],
-  build: { rolldownOptions: { input: ["index.html", "tools.html"] }, target: "es2022", outDir: "site", emptyOutDir: true, assetsInlineLimit: 0, modulePreload: { polyfill: false }, reportCompressedSize: false },
+  build: { rolldownOptions: { input: ["index.html", "tools.html", "action.html"] }, target: "es2022", outDir: "site", emptyOutDir: true, assetsInlineLimit: 0, modulePreload: { polyfill: false }, reportCompressedSize: false },
   worker: { format: "es" },
   preview: { headers: { "Content-Security-Policy": POLICY } },
 });

@@ -4,7 +4,7 @@ import { gzipSync } from "node:zlib";
 import { assert, goal, struck, until } from "./help.mjs";
 import { LOOKS, READ, STATES } from "./states.mjs";
 
-/** Budgets of each of the two pages, bytes as they travel. What the first picture needs takes a tenth of a second at
+/** Budgets of each of the three pages, bytes as they travel. What the first picture needs takes a tenth of a second at
  * 1 MB/s; all that playing needs, the engine included, a second and a half; what is loaded when it is asked for
  * (the reader of Parquet, the words of another language, sound) counts apart. */
 const FIRST = 100_000, PLAYING = 1_490_000, LATER = { parquet: 40_000, "/de-": 10_000, "/fr-": 10_000, "/sound": 6000, "/hear-": 1000 };
@@ -27,7 +27,7 @@ export const size = async () => {
     assert(later > 0 && later <= most, `${part}, loaded when asked for, takes ${later} bytes; there may be ${most}`);
     told.push(`${part.replace(/\W/g, "")} when asked for ${kb(later)}`);
   }
-  for (const page of ["index.html", "tools.html"]) {
+  for (const page of ["index.html", "tools.html", "action.html"]) {
     // Everything that the page names, what that names, and so on: scripts, styles, workers.
     const needs = new Set([page, "engine.bin"]);
     for (const name of needs) {

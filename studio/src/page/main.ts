@@ -14,6 +14,9 @@ import { PEDAL_MM, playPanel } from "./play";
 import { screwsPanel } from "./screws";
 import { called, languages, missing, named, onlanguage } from "./terms";
 
+// Scripts run here, so that nothing is missing.
+document.getElementById("still")?.remove();
+
 const SPEEDS = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
 
 const begin = async (): Promise<void> => {

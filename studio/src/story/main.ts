@@ -5,6 +5,9 @@ import { Figure } from "./figure";
 import { Live } from "./live";
 import { STEPS } from "./scenes";
 
+// Scripts run here, so that nothing is missing.
+document.getElementById("still")?.remove();
+
 /** An address of the workbench, which stood here before. */
 if (location.hash.includes("=") && !location.hash.includes("tab=learn")) location.replace(`./tools.html${location.hash}`);
 
