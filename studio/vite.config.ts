@@ -49,6 +49,8 @@ const studio = (): Plugin => ({
     handler: (html, { server, path }) => {
       const policy = server ? "" : `<meta http-equiv="Content-Security-Policy" content="${POLICY}">`;
       html = last(html);
+      // Of the page's own folder. With this word, a page that is opened as a file would have no style.
+      html = html.replaceAll('<link rel="stylesheet" crossorigin', '<link rel="stylesheet"');
       return html.replace("<!--policy-->", policy).replace("<!--examples-->", cards).replace("<!--picture-->", path.endsWith("tools.html") ? picture() : plain());
     },
   },
