@@ -81,10 +81,13 @@ export class Instrument {
   measure(lines: string[], key?: number): Record<string, number | null>;
   /** A drawing at rest: SVG, `size_px` wide. */
   draw(size_px?: number): string;
-  /** A press from rest: a level ("pp", "p", "mf", "f", "ff"; `struck` from above the key), or a recording, the text of a
-   * CSV file with a column for the time and one for force or position. `csv` is the run.csv of `erard press`;
+  /** A press from rest: a level ("pp", "p", "mf", "f", "ff"; `struck` from above the key), or a recording, the text of
+   * a CSV file with a column for the time and one for force or position. `csv` is the run.csv of `erard press`;
    * `remarks` say what was done to a recording. */
-  press(stroke?: "pp" | "p" | "mf" | "f" | "ff" | { csv: string }, options?: { struck?: boolean; step_s?: number }): { csv: string; remarks: string[] };
+  press(
+    stroke?: "pp" | "p" | "mf" | "f" | "ff" | { csv: string },
+    options?: { struck?: boolean; step_s?: number },
+  ): { csv: string; remarks: string[] };
   /** An action to step, at rest. It does not change when the instrument is freed. */
   action(step_s?: number): Action;
   /** Gives its memory back. A page that lives long frees what it no longer needs; there is no collector behind it. */

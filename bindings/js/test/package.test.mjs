@@ -85,8 +85,8 @@ test("memory does not grow with objects that are freed", () => {
 // In a clone only: the header is not in the package.
 const header = new URL("../../c/include/erard.h", import.meta.url);
 test("a reading's numbers are the header's, in its order", { skip: existsSync(header) ? false : "no header here" }, () => {
-  const struct = readFileSync(header, "utf8").match(/typedef struct ErardReading \{([^}]*)\}/)[1].replace(/\/\*[\s\S]*?\*\//g, "");
-  const fields = [...struct.matchAll(/(\w+) (\w+);/g)].map(([, type, name]) => `${type} ${name}`);
+  const [, struct] = readFileSync(header, "utf8").match(/typedef struct ErardReading \{([^}]*)\}/);
+  const fields = [...struct.matchAll(/^ +(\w+) (\w+);$/gm)].map(([, type, name]) => `${type} ${name}`);
   const expected = [...erard.READING.map((name) => `double ${name}`), "uint32_t impact_count", "uint32_t new_impact_count", "double hand_m", "double hand_m_per_s"];
   assert.deepEqual(fields.slice(2), expected);
   const { reading } = engine.instrument().action();
