@@ -1,5 +1,5 @@
-//! Boards whose sensors read the shanks of hammers: readings to bytes of MIDI. Nothing is simulated while they play. This
-//! file is compiled for chips, too (`bindings/firmware`).
+//! Boards whose sensors read the shanks of hammers: readings to bytes of MIDI. Nothing is simulated while they play.
+//! This file is compiled for chips, too (`bindings/firmware`).
 
 use core::ffi::c_void;
 use core::ptr::null_mut;

@@ -19,8 +19,8 @@ use crate::text::bytes;
 /// does: reads `count`, `depths_m` and the scan's numbers of `contacts`, and writes `off`, `point_count` and `points`.
 /// Middle C of a keyboard is pressed, struck and re-struck, which takes some seconds. `keyboard` is the text of a
 /// keyboard file (UTF-8, `length` bytes) whose base instrument is built in; NULL and 0 give the built-in concert grand.
-/// Where two or three contacts lie too near to each other, or below the key's dip, it returns ERARD_STATUS_RANGE. Not on
-/// a chip: a program there has the result as a constant. Real time: no.
+/// Where two or three contacts lie too near to each other, or below the key's dip, it returns ERARD_STATUS_RANGE. Not
+/// on a chip: a program there has the result as a constant. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_contacts_simulate(
     contacts: *mut ErardContacts,

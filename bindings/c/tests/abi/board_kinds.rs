@@ -1,5 +1,5 @@
-//! Boards of contacts and of sensed hammers: the bytes are those of `erard live`, a refused call changes nothing, nothing
-//! is allocated.
+//! Boards of contacts and of sensed hammers: the bytes are those of `erard live`, a refused call changes nothing,
+//! nothing is allocated.
 
 use std::fmt::Write as _;
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! The equations of the book: each is typeset, numbered, has its symbols in the glossary, and what refers to it says its
-//! number. That links lead to an anchor is tested with the other links (`erard-cli`, module `book`).
+//! The equations of the book: each is typeset, numbered, has its symbols in the glossary, and what refers to it says
+//! its number. That links lead to an anchor is tested with the other links (`erard-cli`, module `book`).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -1,6 +1,6 @@
 //! Streams as other people's loggers, keybeds and hybrids send them, from what their users report. What is right was
-//! written down before each was played for the first time; `first` says what came out then, or what the code at that time
-//! would have made of it where that was plain to see.
+//! written down before each was played for the first time; `first` says what came out then, or what the code at that
+//! time would have made of it where that was plain to see.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -110,8 +110,8 @@ fn text(head: &str, all: &[(u64, f64)], line: impl Fn(usize, u64, f64) -> String
 
 const HEAD: &str = "time_us,key,raw";
 
-/// Loggers. One habit is not mended: a last line that is torn, such as 3 for 3499, is a key that goes to its bottom within
-/// a reading, and gives a note of 1.2 m/s. Nothing tells such a line from a whole one.
+/// Loggers. One habit is not mended: a last line that is torn, such as 3 for 3499, is a key that goes to its bottom
+/// within a reading, and gives a note of 1.2 m/s. Nothing tells such a line from a whole one.
 fn loggers(press: &Press) -> Vec<Case> {
     let (speed, all) = (press.impacts[0][1], readings(press, 1000));
     let fast = readings(press, 4000);

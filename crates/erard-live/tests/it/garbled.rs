@@ -1,5 +1,5 @@
-//! Garbled streams of keys, contacts and hammers: whatever comes, nothing panics, the work is linear in the samples, notes
-//! are in order and end, and where there is no note a reason is given.
+//! Garbled streams of keys, contacts and hammers: whatever comes, nothing panics, the work is linear in the samples,
+//! notes are in order and end, and where there is no note a reason is given.
 
 use std::ops::Range;
 
