@@ -1,5 +1,5 @@
-//! Readings of sensors under the keys, or at the hammers, while a piece or a case is played, together with the ground
-//! truth: for builders who derive notes from sensors.
+//! Readings of sensors under the keys or at the hammers, or of contacts, while a piece or a case is played, together
+//! with the ground truth: for builders who derive notes from sensors.
 //!
 //! - [`Sensor`], [`Scans`]: bits, rate and noise of a sensor; the readings of all keys, sample by sample;
 //! - [`Case`], [`play_cases`]: motions of a finger that mislead simple algorithms, played on simulated actions;

@@ -1,4 +1,5 @@
-//! Sensors under the keys' fronts or at the hammers' shanks: a converter's readings of the travel, scan by scan.
+//! Sensors under the keys' fronts or at the hammers' shanks: a converter's readings of the travel, scan by scan; and
+//! contacts under the keys.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::io;
@@ -28,7 +29,7 @@ const MARGIN_S: f64 = 0.03;
 /// A sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensor {
-    /// Bits of the converter. The key's travel takes three quarters of its range.
+    /// Bits of the converter. The key's travel takes three quarters of its range. Contacts have 1.
     pub bits: u32,
     /// Readings of each key a second, Hz. The keys are read one after the other within a period, as a multiplexer does.
     pub rate_hz: f64,
@@ -43,7 +44,7 @@ pub struct Reading {
     pub time_us: u64,
     /// The key, from 1.
     pub key: usize,
-    /// The converter's count.
+    /// The converter's count; of contacts a bit for each that is closed, the lowest bit for the upper contact.
     pub raw: u32,
 }
 
@@ -79,6 +80,10 @@ impl Sensor {
 struct Channel {
     sensor: Sensor,
     key: usize,
+    /// Depths at which its contacts close, m, the upper one first; none of a converter.
+    depths_m: Vec<f64>,
+    /// The contacts that are closed.
+    closed: u32,
     /// The next scan.
     scan: u64,
     random: fastrand::Rng,
@@ -88,6 +93,16 @@ struct Channel {
 }
 
 impl Channel {
+    /// Sends which contacts are closed at an instant, us, with the key at a place, m, if others are than before.
+    fn take_contacts(&mut self, time_us: u64, x: f64) {
+        let bit = |(contact, depth_m): (usize, &f64)| u32::from(x >= *depth_m) << contact;
+        let raw = self.depths_m.iter().enumerate().map(bit).sum();
+        if raw != self.closed {
+            self.closed = raw;
+            self.sent.push(Reading { time_us, key: self.key, raw });
+        }
+    }
+
     /// The key went straight from one place to the next, s and m; it was off its rest until an instant, s.
     fn follow(&mut self, [t0, x0]: [f64; 2], [t1, x1]: [f64; 2], travel_m: f64, off_until_s: f64) {
         loop {
@@ -101,6 +116,10 @@ impl Channel {
             let x = x0 + share * (x1 - x0);
             // Every scan takes its own number: what is sent of the others changes no reading.
             let deviation = normal(&mut self.random);
+            if !self.depths_m.is_empty() {
+                self.take_contacts(time_us, x + self.sensor.noise * deviation * travel_m);
+                continue;
+            }
             let reading = Reading { time_us, key: self.key, raw: self.sensor.reads(x / travel_m, deviation) };
             if x > OFF_M || t <= off_until_s + MARGIN_S {
                 self.sent.extend(self.pending.drain(..));
@@ -200,6 +219,8 @@ pub struct Scans {
     travels_m: Vec<f64>,
     /// Hammers, from the lowest, where these are sensed.
     shanks: Vec<Option<Shank>>,
+    /// Depths at which the contacts of every key close, m, where there are contacts.
+    depths_m: Vec<f64>,
     samplers: Mutex<BTreeMap<usize, Arc<Mutex<Sampler>>>>,
 }
 
@@ -220,7 +241,15 @@ impl Scans {
     /// noise.
     #[must_use]
     pub fn new(sensors: &[Sensor], travels_m: Vec<f64>, seed: u64) -> Self {
-        Scans { sensors: sensors.to_vec(), seed, travels_m, shanks: Vec::new(), samplers: Mutex::default() }
+        let (sensors, samplers) = (sensors.to_vec(), Mutex::default());
+        Scans { sensors, seed, travels_m, shanks: Vec::new(), depths_m: Vec::new(), samplers }
+    }
+
+    /// Contacts under keys with such travels, m, that close at these depths of the keys' fronts, m, the upper one
+    /// first. The noise of a sensor is that of the place which a scan finds. Readings are sent where they change.
+    #[must_use]
+    pub fn of_contacts(sensors: &[Sensor], travels_m: Vec<f64>, depths_m: &[f64], seed: u64) -> Self {
+        Scans { depths_m: depths_m.to_vec(), ..Scans::new(sensors, travels_m, seed) }
     }
 
     /// Sensors of hammers, from the lowest key; `None` for keys that are not played. The same seed gives the same
@@ -243,6 +272,8 @@ impl Scans {
             let channel = |(index, &sensor): (usize, &Sensor)| Channel {
                 sensor,
                 key,
+                depths_m: self.depths_m.clone(),
+                closed: 0,
                 scan: 0,
                 random: random(index),
                 pending: VecDeque::new(),

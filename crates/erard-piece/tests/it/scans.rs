@@ -128,3 +128,34 @@ fn hammers_are_scanned() {
         assert!((0.93..0.995).contains(&share), "{share}: {window:?}");
     }
 }
+
+/// Contacts: at every scan those are closed whose depth the key has passed, as a converter that scans at the same
+/// instants sees it. With noise they chatter.
+#[test]
+fn contacts_are_scanned() {
+    let played = |scans: Scans| {
+        play_cases(&RIGID, (&[40], &[Case::Stroke]), 0.5, 1, &scans, 1, &mut |_| true).unwrap();
+        scans.readings()
+    };
+    let contacts = Sensor { bits: 1, rate_hz: 1000.0, noise: 0.0 };
+    let noisy = Sensor { noise: 5e-2, ..contacts };
+    let depths_m = [3e-3, 6.5e-3];
+    let all = played(Scans::of_contacts(&[contacts, noisy], vec![10e-3; 88], &depths_m, 1));
+    let fine = played(Scans::new(&[Sensor { bits: 16, ..contacts }], vec![10e-3; 88], 1));
+    let Stops { rest, pressed } = stops(16);
+    let mut changes = all[0].iter().peekable();
+    let mut closed = 0;
+    for Reading { time_us, raw, .. } in &fine[0] {
+        if let Some(change) = changes.next_if(|change| change.time_us == *time_us) {
+            closed = change.raw;
+        }
+        let x = 10e-3 * (f64::from(*raw) - rest) / (pressed - rest);
+        // But for a key that is within the converter's step of a contact.
+        if depths_m.iter().all(|depth_m| (x - depth_m).abs() > 1e-6) {
+            let expected = u32::from(x > depths_m[0]) + 2 * u32::from(x > depths_m[1]);
+            assert_eq!(closed, expected, "{time_us}: {x}");
+        }
+    }
+    assert_eq!(changes.next(), None, "every change is at a scan");
+    assert!(all[0].len() >= 6 * 4 && all[1].len() > all[0].len(), "{} {}", all[0].len(), all[1].len());
+}
