@@ -8,6 +8,9 @@ use erard::instrument::Instrument;
 use erard::instrument_spec::InstrumentSpec;
 use erard::key::{UnknownKey, keys_named};
 use erard::keyboard::{KEYS, Keyboard};
+use erard::run::SimulationError;
+use erard_live::contact_table::{ContactTableError, PRESSED_KEY, Presses};
+use erard_live::contacts::ContactLaw;
 use erard_midi::Law;
 use erard_piece::scan::{Case, MAX_RATE_HZ, Scans, Sensor, Shank, Truth, play_cases};
 use erard_piece::{Options, Score, perform};
@@ -30,6 +33,8 @@ use crate::suggest::meant;
 const AFTER: &str = include_str!("help/scan.txt");
 /// More sensors are not read at once.
 const MAX_SENSORS: usize = 100;
+/// Changes of a contact within this time after an edge are bounces, s.
+const BOUNCE_S: f64 = 2e-3;
 /// Cases begin so long after the piece, and after the beginning, s.
 const PAUSE_S: f64 = 0.5;
 
@@ -54,6 +59,10 @@ pub(crate) struct Scan {
     /// The sensors read the hammers' shanks instead of the keys
     #[arg(long)]
     hammers: bool,
+    /// Two or three contacts under each key instead of sensors: depths of the key's front at which they close, mm, the
+    /// upper one first. Their edges are written
+    #[arg(long, value_name = "MM,MM", value_parser = list(between(Quantity::Length, "mm", 0.1, 20.0)), conflicts_with_all = ["hammers", "bits"], allow_hyphen_values = true)]
+    contacts: Option<Values>,
     /// Leave the keys as they are: without what a technician leaves of differences between them
     #[arg(long)]
     no_scatter: bool,
@@ -126,6 +135,7 @@ impl Scan {
         }
         let own = load_keyboard(session, name)?;
         let mut output = self.out.prepare(session, "scan", &["truth.csv", "windows.csv", "scan.json"])?;
+        let contacts = self.contact_laws(session, &own, &sensors)?;
         let keyboard = match sample {
             Some(sample) => keyboard_sample(session, &own, &name.to_string(), sample)?,
             None => own,
@@ -133,12 +143,14 @@ impl Scan {
         let played = self.played(score.as_ref());
         let instruments = self.instruments(session, &keyboard, sample.unwrap_or(0), &played)?;
         let shanks = if self.hammers { shanks(&keyboard.name, &instruments, &played)? } else { Vec::new() };
+        let depths_m = self.depths_m();
         let (travels_m, scans) = if self.hammers {
             let travels_m = shanks.iter().map(|shank| shank.map_or(f64::INFINITY, |shank| shank.way_m)).collect();
             (travels_m, Scans::of_hammers(&sensors, shanks, u64::from(self.seed)))
         } else {
             let travels_m = travels_m(&keyboard.name, &instruments, &played)?;
-            (travels_m.clone(), Scans::new(&sensors, travels_m, u64::from(self.seed)))
+            let scans = Scans::of_contacts(&sensors, travels_m.clone(), &depths_m, u64::from(self.seed));
+            (travels_m, scans)
         };
         let truth = self.play(session, score.as_ref(), &keyboard.name, &instruments, &scans)?;
         let asked = self.keyboard.to_string();
@@ -153,6 +165,7 @@ impl Scan {
             instruments: &instruments,
             travels_m: &travels_m,
             are_hammers: self.hammers,
+            contacts: &contacts,
             played: &played,
             sensors: &sensors,
             truth: &truth,
@@ -168,7 +181,7 @@ impl Scan {
     /// All sensors that are asked for.
     fn sensors(&self) -> Result<Vec<Sensor>, Failure> {
         let mut sensors: Vec<Sensor> = Vec::new();
-        for &bits in &self.bits {
+        for &bits in if self.contacts.is_some() { &[1][..] } else { &self.bits } {
             for &rate_hz in self.rate.iter().flat_map(|list| &list.0) {
                 for &percent in self.noise.iter().flat_map(|list| &list.0) {
                     let sensor = Sensor { bits, rate_hz, noise: 0.01 * percent };
@@ -184,6 +197,41 @@ impl Scan {
             return Err(Failure::Usage(what));
         }
         Ok(sensors)
+    }
+
+    fn depths_m(&self) -> Vec<f64> {
+        self.contacts.iter().flat_map(|Values(depths_mm)| depths_mm).map(|mm| 1e-3 * mm).collect()
+    }
+
+    /// The contacts as the file's own grand plays them, by the rate of their scan, Hz; none for other sensors.
+    fn contact_laws(
+        &self,
+        session: &Session,
+        own: &Keyboard,
+        sensors: &[Sensor],
+    ) -> Result<Vec<(f64, ContactLaw)>, Failure> {
+        if self.contacts.is_none() {
+            return Ok(Vec::new());
+        }
+        let depths_m = self.depths_m();
+        let wrong = |what: &dyn std::fmt::Display| Failure::Usage(format!("--contacts: {what}"));
+        ContactLaw::check_contacts(&depths_m, &[], 0.0, 0.0).map_err(|fault| wrong(&fault))?;
+        let instrument = own.key(PRESSED_KEY)?;
+        let mut progress = session.progress("pressing a key");
+        let presses = Presses::of(&instrument, &mut |share| progress.tell(share)).map_err(|error| match error {
+            ContactTableError::Interrupted => SimulationError::Interrupted.into(),
+            error => wrong(&error),
+        })?;
+        let mut laws: Vec<(f64, ContactLaw)> = Vec::new();
+        for Sensor { rate_hz, .. } in sensors {
+            if laws.iter().all(|(other_hz, _)| other_hz != rate_hz) {
+                // A tenth of a microsecond, as a profile holds it.
+                let period_s = 1e-10 * (1e10 / rate_hz).round();
+                let law = presses.law(&depths_m, period_s, BOUNCE_S).map_err(|error| wrong(&error))?;
+                laws.push((*rate_hz, law));
+            }
+        }
+        Ok(laws)
     }
 
     /// The keys that are played, ascending.

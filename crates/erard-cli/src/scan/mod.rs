@@ -7,6 +7,7 @@ use std::io::Write;
 
 use erard::instrument::Instrument;
 use erard::keyboard::{Keyboard, note_name};
+use erard_live::contacts::{ContactLaw, MAX_CONTACTS};
 use erard_live::profile::{Profile, Sensed};
 use erard_live::sensor::Law as SensorLaw;
 use erard_midi::Law;
@@ -33,6 +34,8 @@ pub(crate) struct Scanned<'a> {
     /// Travel of each key's front, or of its hammer's head, m.
     pub travels_m: &'a [f64],
     pub are_hammers: bool,
+    /// Contacts, by the rate of their scan, Hz; empty of other sensors.
+    pub contacts: &'a [(f64, ContactLaw)],
     /// Keys that are played, from 1.
     pub played: &'a [usize],
     pub sensors: &'a [Sensor],
@@ -41,12 +44,18 @@ pub(crate) struct Scanned<'a> {
 
 /// The file of a sensor's readings.
 fn scan_name(sensor: &Sensor) -> String {
+    if sensor.bits == 1 {
+        return format!("scan-contacts-{}hz-{}.csv", sensor.rate_hz, percent(sensor));
+    }
     format!("scan-{}bit-{}hz-{}.csv", sensor.bits, sensor.rate_hz, percent(sensor))
 }
 
-/// The file of the profile of sensors with so many bits.
-fn profile_name(bits: u32) -> String {
-    format!("profile-{bits}bit.toml")
+/// The file of a sensor's profile: one for sensors with as many bits, and for contacts with the same rate.
+fn profile_name(sensor: &Sensor) -> String {
+    match sensor.bits {
+        1 => format!("profile-contacts-{}hz.toml", sensor.rate_hz),
+        bits => format!("profile-{bits}bit.toml"),
+    }
 }
 
 /// Noise of a sensor, % of a key's travel.
@@ -71,16 +80,22 @@ impl Scanned<'_> {
         let counts = readings.iter().map(Vec::len).collect();
         let pedals = self.score.map(Score::sustain).unwrap_or_default();
         for (sensor, readings) in self.sensors.iter().zip(readings) {
-            output.stage(session, &scan_name(sensor), |writer| stream(&readings, &pedals, writer))?;
+            let write = if self.contacts.is_empty() { stream } else { edges };
+            output.stage(session, &scan_name(sensor), |writer| write(&readings, &pedals, writer))?;
         }
-        let bits: BTreeMap<u32, ()> = self.sensors.iter().map(|sensor| (sensor.bits, ())).collect();
-        for bits in bits.into_keys() {
+        for (rate_hz, law) in self.contacts {
+            let sensor = Sensor { bits: 1, rate_hz: *rate_hz, noise: 0.0 };
+            output.text(session, &profile_name(&sensor), &Profile::of_contacts(*law).text())?;
+        }
+        let own = self.sensors.iter().filter(|_| self.contacts.is_empty());
+        let sensors: BTreeMap<u32, &Sensor> = own.map(|sensor| (sensor.bits, sensor)).collect();
+        for (bits, sensor) in sensors {
             let keys = self.played.iter().map(|key| (*key, stops(bits))).collect();
             let travel_m = self.known_travel_m();
             let law = SensorLaw::Linear {};
             let sensed = if self.are_hammers { Sensed::Hammers(None) } else { Sensed::Keys };
             let profile = Profile { sensed, law, travel_m, pressure_is_depth: false, keys };
-            output.text(session, &profile_name(bits), &profile.text())?;
+            output.text(session, &profile_name(sensor), &profile.text())?;
         }
         output.table(session, "truth.csv", &self.strikes())?;
         output.table(session, "windows.csv", &self.windows())?;
@@ -119,12 +134,38 @@ impl Scanned<'_> {
 /// Readings and the sustain pedal as the stream that `erard live` reads.
 fn stream(readings: &[Reading], pedals: &[[f64; 2]], writer: &mut dyn Write) -> std::io::Result<()> {
     writeln!(writer, "time_us,key,raw")?;
+    with_pedals(readings, pedals, writer, &mut |Reading { time_us, key, raw }, writer| {
+        writeln!(writer, "{time_us},{key},{raw}")
+    })
+}
+
+/// Edges of contacts and the sustain pedal as that stream. Of contacts that close in one scan the upper one comes
+/// first, of those that open the lower one.
+fn edges(readings: &[Reading], pedals: &[[f64; 2]], writer: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(writer, "time_us,key,contact,state")?;
+    let mut before: BTreeMap<usize, u32> = BTreeMap::new();
+    with_pedals(readings, pedals, writer, &mut |Reading { time_us, key, raw }, writer| {
+        let was = before.insert(*key, *raw).unwrap_or(0);
+        let mut edge = |contact: usize, state: &str| writeln!(writer, "{time_us},{key},{},{state}", contact + 1);
+        let bit = |contact: &usize, of: u32| of >> contact & 1 == 1;
+        (0..MAX_CONTACTS).rev().filter(|one| bit(one, was & !raw)).try_for_each(|one| edge(one, "open"))?;
+        (0..MAX_CONTACTS).filter(|one| bit(one, raw & !was)).try_for_each(|one| edge(one, "made"))
+    })
+}
+
+/// Readings, each written by a function, and the motions of the sustain pedal between them.
+fn with_pedals(
+    readings: &[Reading],
+    pedals: &[[f64; 2]],
+    writer: &mut dyn Write,
+    write: &mut dyn FnMut(&Reading, &mut dyn Write) -> std::io::Result<()>,
+) -> std::io::Result<()> {
     let mut pedals = pedals.iter().map(|[at_s, down]| ((1e6 * at_s).round() as u64, down)).peekable();
-    for Reading { time_us, key, raw } in readings {
-        while let Some((at_us, down)) = pedals.next_if(|(at_us, _)| at_us <= time_us) {
+    for reading in readings {
+        while let Some((at_us, down)) = pedals.next_if(|(at_us, _)| *at_us <= reading.time_us) {
             writeln!(writer, "{at_us},sustain,{down:.3}")?;
         }
-        writeln!(writer, "{time_us},{key},{raw}")?;
+        write(reading, writer)?;
     }
     pedals.try_for_each(|(at_us, down)| writeln!(writer, "{at_us},sustain,{down:.3}"))
 }

@@ -16,7 +16,7 @@ pub(crate) fn json(scanned: &Scanned<'_>, readings: &[usize]) -> Value {
         .map(|(sensor, readings)| {
             json!({
                 "file": scan_name(sensor),
-                "profile": profile_name(sensor.bits),
+                "profile": profile_name(sensor),
                 "bits": sensor.bits,
                 "rate_hz": sensor.rate_hz,
                 "noise_percent": percent(sensor),
@@ -45,14 +45,27 @@ pub(crate) fn json(scanned: &Scanned<'_>, readings: &[usize]) -> Value {
         .collect();
     let (place, one) =
         if scanned.are_hammers { ("at the shanks", "hammer") } else { ("under the keys' fronts", "key") };
-    json!({
-        "format": "erard-scan/1",
-        "about": [
+    let [files, profiles] = if scanned.contacts.is_empty() {
+        [
             format!(
                 "scan-*.csv: readings of sensors {place}, as `erard live` reads them; a {one} is sent while it is off its \
                  rest, and 30 ms before and after"
             ),
             format!("profile-*.toml: the readings at the two stops of each {one}, for `erard live --calibration`"),
+        ]
+    } else {
+        [
+            "scan-*.csv: edges of contacts under the keys' fronts, as `erard live` reads them".to_owned(),
+            "profile-*.toml: hammer speeds by the time between contacts, of the file's own grand, for `erard live \
+             --calibration`"
+                .to_owned(),
+        ]
+    };
+    json!({
+        "format": "erard-scan/1",
+        "about": [
+            &files,
+            &profiles,
             "truth.csv: strikes of hammers on strings, from the simulated actions; `again` 1: the hammer bounced",
             "windows.csv: what was played when; a window without strikes is one in which no note belongs",
         ],

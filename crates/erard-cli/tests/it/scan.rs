@@ -87,6 +87,9 @@ fn what_cannot_be_scanned_is_refused() {
         (&["scan", "--cases", "--bits", "3"], "expected a whole number from 4 to 24"),
         (&["scan", "--cases", "--rate", "1e9"], "expected a frequency from 20 to 20000 Hz"),
         (&["scan", "--cases", "--noise", "nan"], "from 0 to 10"),
+        (&["scan", "--cases", "--contacts", "6,3"], "--contacts: found 3 mm; expected depths"),
+        (&["scan", "--cases", "--contacts", "3"], "--contacts: 1 contacts; expected 2 or 3"),
+        (&["scan", "--cases", "--contacts", "3,8.5", "--bits", "8"], "cannot be used with"),
         (&["scan", "--cases", "--keyboard", "harpsichord"], "harpsichord"),
         (&["scan", "--cases", "--keyboard", "concert-grand:sample=0"], "sample"),
         (
