@@ -155,6 +155,9 @@ pub(crate) fn headlines(answer: &Value) -> Vec<String> {
         if let Some(open) = one["open_question"].as_str().filter(|open| *open != verdict) {
             lines.push(format!("{open}."));
         }
+        if one["weigh_again"] == true {
+            lines.push(weigh_again());
+        }
         if let Some(next) = one["measure_next"].as_object() {
             lines.push(format!("Measure next: {} ({}).", text(&next["label"]), text(&next["how"])));
         }

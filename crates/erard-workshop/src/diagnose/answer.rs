@@ -8,12 +8,10 @@ use super::entry::{Entry, Impossible, entries, readings};
 use super::geometry::Band;
 use crate::worklist::SECTION_ENDS;
 
-use super::report::{Diagnosis, Judged, LEVERAGE_ORDER, Ranked, Standing, Suggestion, WEIGH_AGAIN_G};
+use super::report::{Diagnosis, FRICTION_ORDER, Judged, LEVERAGE_ORDER, Ranked, Standing, Suggestion, WEIGH_AGAIN_G};
 
 /// Number of looks on a page.
 const LOOKS: usize = 2;
-/// Place of friction in the order of work.
-const FRICTION_ORDER: u32 = 1;
 
 /// Basis of every answer, a sentence.
 pub const BASIS: &str = "What a cause does to each reading is simulated on grands around the built-in concert-grand, not on your piano; how \
@@ -47,7 +45,8 @@ impl Diagnosis {
     pub fn verdict(&self) -> String {
         if !self.is_work() {
             let again = if self.is_doubtful() { " Take those marked ? again." } else { "" };
-            let names: Vec<&str> = self.undecided.iter().map(|ranked| ranked.cause.name.as_str()).collect();
+            let causes = self.undecided.iter().map(|ranked| ranked.cause.name.as_str());
+            let names: Vec<&str> = causes.chain(self.looks.iter().map(|look| look.name.as_str())).collect();
             let then = match &names[..] {
                 [] => String::new(),
                 names => format!(" If they read the same, it may be: {}.", names.join("; ")),
@@ -58,9 +57,20 @@ impl Diagnosis {
         }
         match (self.looks.first().filter(|_| self.is_look), &self.causes[..]) {
             (Some(look), []) => format!("A sign of its own: {}", look.name),
-            (_, []) => {
-                self.open_question().unwrap_or_else(|| "These readings point to no cause of the list".to_owned())
-            }
+            (_, []) => self.open_question().unwrap_or_else(|| {
+                let names: Vec<&str> = self.looks.iter().map(|look| look.name.as_str()).collect();
+                let waits = |ranked: &Ranked| {
+                    format!("{} ({})", ranked.cause.name, ranked.withheld.as_deref().unwrap_or_default())
+                };
+                let waits: Vec<String> = self.withheld.iter().map(waits).collect();
+                match &names[..] {
+                    _ if !waits.is_empty() => format!("More likely than not, but not yet to do: {}", waits.join("; ")),
+                    [] => "These readings point to no cause of the list".to_owned(),
+                    names => {
+                        format!("These readings point to no cause that is simulated; look for: {}", names.join("; "))
+                    }
+                }
+            }),
             (_, [_]) => "The cause that is more likely than not".to_owned(),
             (_, [..]) => "The causes that are more likely than not, in the order of work".to_owned(),
         }

@@ -9,10 +9,11 @@
 //! anywhere.
 
 use super::cause::causes;
-use super::cause::{Beyond, Cause, Change};
+use super::cause::{Cause, Change};
 use super::effect::{BALANCE, CHECK, Effect, FEATURES, FRICTION, Features, N, NOT_CAUGHT_MM, effects, precision};
 use super::entry::at::STRIKE;
-use super::healthy::Healthy;
+use super::geometry::{Band, Follows};
+use super::healthy::{Healthy, set_by};
 use super::inject::injected_amount;
 use super::normal::{log_density, log_sum};
 use crate::dense::Cholesky;
@@ -56,6 +57,19 @@ impl Row {
         Row { of: vec![(CHECK, 1.0)], value, error, range: None }
     }
 
+    /// Features within a band of added largest errors, which are about three times the standard error of their sum.
+    pub(super) fn of_band(of: Vec<(usize, f64)>, band: Band, range: Option<[f64; 2]>) -> Self {
+        let (value, largest) = band.middle_and_error();
+        Row { of, value, error: largest / 3.0, range }
+    }
+
+    /// What follows from other readings.
+    pub(super) fn following(follows: &Follows) -> Self {
+        let Follows { of, without, value, usual, .. } = follows;
+        let band = Band { low: value.low + without, high: value.high + without };
+        Row::of_band(of.iter().map(|feature| (*feature, 1.0)).collect(), band, Some(usual.map(|end| end + without)))
+    }
+
     /// The same with the range of sound keys.
     pub(super) fn within(self, range: Option<[f64; 2]>) -> Self {
         Row { range, ..self }
@@ -79,7 +93,7 @@ struct Atom {
     /// Half the distance to the next grades, as a standard deviation.
     along: [f64; N],
     spread: [f64; N],
-    /// Feature that another screw has put where it is.
+    /// Feature of a screw that was set again, so that it is where that put it.
     loose: Option<usize>,
 }
 
@@ -98,6 +112,8 @@ pub(super) struct Hypothesis {
 pub(super) struct Belief {
     healthy: Healthy,
     rows: Vec<Row>,
+    /// What follows from the rows: it says nothing new but whether it lies in its range.
+    follows: Vec<Row>,
     atoms: Vec<Atom>,
     /// The sets, the most likely first.
     pub sets: Vec<Hypothesis>,
@@ -148,48 +164,76 @@ fn share_of_light(cause: &Cause, case: f64) -> f64 {
     (injected_amount(cause, case) - own) / (cause.amounts[0] - own)
 }
 
-/// Grades of a cause: between the cases of the table, then beyond them.
-fn atoms_of(at: usize, cause: &Cause, cases: &[Effect; 3]) -> Vec<Atom> {
-    let between = |case: f64| {
-        let low = ((case - 1.0).floor() as usize).min(1);
-        let share = case - 1.0 - low as f64;
-        let [a, b]: [&Effect; 2] = [&cases[low], &cases[low + 1]];
-        let mix = |a: f64, b: f64| a + share * (b - a);
-        let value = |i: usize| match (a.mean[i], b.mean[i]) {
-            (Some(a), Some(b)) => Some(mix(a, b)),
-            (a, b) => {
-                if share < 0.5 {
-                    a
-                } else {
-                    b
-                }
+/// Effect of a case of a cause: between the cases of the table. A screw that is set again after the largest case was
+/// set again after those below it, too: they are shares of that case by the reading that the cause sets.
+fn effect_at(cause: &Cause, cases: &[Effect], case: f64, is_beyond: bool) -> Effect {
+    if let (true, Some(beyond), Some(_)) = (is_beyond, &cause.beyond, cause.set_again()) {
+        let [heavy, largest] = [2, 3].map(|at| cases[at].mean[feature(&beyond.line)].unwrap_or(1.0));
+        let share = (heavy + (case - 3.0) * (largest - heavy)) / largest;
+        let Effect { mean, spread } = &cases[3];
+        return Effect { mean: mean.map(|x| x.map(|x| share * x)), spread: spread.map(|x| share * x) };
+    }
+    let low = ((case - 1.0).floor() as usize).min(cases.len() - 2);
+    let share = case - 1.0 - low as f64;
+    let [a, b]: [&Effect; 2] = [&cases[low], &cases[low + 1]];
+    let mix = |a: f64, b: f64| a + share * (b - a);
+    let value = |i: usize| match (a.mean[i], b.mean[i]) {
+        (Some(a), Some(b)) => Some(mix(a, b)),
+        (a, b) => {
+            if share < 0.5 {
+                a
+            } else {
+                b
             }
-        };
-        (std::array::from_fn::<_, N, _>(value), std::array::from_fn::<_, N, _>(|i| mix(a.spread[i], b.spread[i])))
+        }
     };
+    Effect { mean: std::array::from_fn(value), spread: std::array::from_fn(|i| mix(a.spread[i], b.spread[i])) }
+}
+
+/// Grades of a cause, as cases, each with the ends of what it represents: the cases of the table and those half-way
+/// between, then up to the largest that is met in steps of the distance from the plain to the heavy one.
+fn grades(cause: &Cause, cases: &[Effect]) -> Vec<(f64, [f64; 2])> {
+    let step = 2.0 / (GRADES - 1) as f64;
+    let within = (0..GRADES).map(|grade| 1.0 + step * grade as f64);
+    let mut all: Vec<_> =
+        within.map(|case| (case, [case - 0.5 * step, case + 0.5 * step].map(|end| end.clamp(1.0, 3.0)))).collect();
+    if let Some(beyond) = &cause.beyond {
+        let line = feature(&beyond.line);
+        let [plain, heavy, largest] = [1, 2, 3].map(|at| cases[at].mean[line].unwrap_or(0.0));
+        let way = (largest - heavy).abs();
+        let step = (heavy - plain).abs().max(0.25 * way).max(precision(line));
+        let steps = (way / step).ceil().max(1.0);
+        let case = |n: u32| 3.0 + f64::from(n) / steps;
+        all.extend((1..=steps as u32).map(|n| (case(n), [case(n - 1), case(n)])));
+    }
+    all
+}
+
+/// The graded effects of a cause.
+fn atoms_of(at: usize, cause: &Cause, cases: &[Effect]) -> Vec<Atom> {
+    let loose = cause.set_again().and_then(|(again, _)| set_by(again));
     let mut all = Vec::new();
-    for grade in 0..GRADES {
-        let step = 2.0 / (GRADES - 1) as f64;
-        let case = 1.0 + step * grade as f64;
-        let (mean, spread) = between(case);
-        let [before, after] = [case - 0.5 * step, case + 0.5 * step].map(|case| between(case.clamp(1.0, 3.0)).0);
-        let prevents = mean.map(|mean| mean.is_none());
+    for (case, ends) in grades(cause, cases) {
+        let is_beyond = case > 3.0;
+        let effect = effect_at(cause, cases, case, is_beyond);
+        let [before, after] = ends.map(|end| effect_at(cause, cases, end, is_beyond).mean);
+        let mut prevents = effect.mean.map(|mean| mean.is_none());
         // A hammer that is no longer caught would have been caught low. An event that takes place all the same is
         // shifted in proportion to the light case.
-        let known: [f64; N] = std::array::from_fn(|i| {
+        let mut mean: [f64; N] = std::array::from_fn(|i| {
             let shifted = cases[0].mean[i].unwrap_or(0.0) * share_of_light(cause, case);
-            mean[i].unwrap_or(if i == CHECK { NOT_CAUGHT_MM[0] - MIDDLE_OF_CHECK_MM } else { shifted })
+            effect.mean[i].unwrap_or(if i == CHECK { NOT_CAUGHT_MM[0] - MIDDLE_OF_CHECK_MM } else { shifted })
         });
-        let mut spread = spread_of(cause, &known, &spread);
+        let mut spread = spread_of(cause, &mean, &effect.spread);
         (0..N).filter(|i| prevents[*i]).for_each(|i| spread[i] = spread[i].hypot(NOT_THERE * precision(i)));
         let along = std::array::from_fn(|i| {
             before[i].zip(after[i]).map_or(0.0, |(before, after)| (after - before) / libm::sqrt(12.0))
         });
-        all.push(Atom { cause: at, case, prior: 0.0, prevents, mean: known, along, spread, loose: None });
-    }
-    if let Some(beyond) = &cause.beyond {
-        let heavy = all[GRADES - 1].clone();
-        all.extend(atoms_beyond(cause, beyond, cases, &heavy));
+        let loose = loose.filter(|_| is_beyond);
+        if let Some(loose) = loose {
+            (mean[loose], spread[loose], prevents[loose]) = (0.0, LOOSE_MM, false);
+        }
+        all.push(Atom { cause: at, case, prior: 0.0, prevents, mean, along, spread, loose });
     }
     let weight = |case: f64| if case <= 3.0 { 1.0 } else { BEYOND };
     let total: f64 = all.iter().map(|atom| weight(atom.case)).sum();
@@ -197,45 +241,6 @@ fn atoms_of(at: usize, cause: &Cause, cases: &[Effect; 3]) -> Vec<Atom> {
         atom.prior = libm::log(cause.common * weight(atom.case) / total);
     }
     all
-}
-
-/// Grades beyond the heavy case, in steps of its distance from the plain one: the line goes on to the largest change
-/// that is met, the others in proportion to the light case.
-fn atoms_beyond(cause: &Cause, beyond: &Beyond, cases: &[Effect; 3], heavy: &Atom) -> Vec<Atom> {
-    let line = feature(&beyond.line);
-    let of = |case: usize| cases[case].mean[line].unwrap_or(0.0);
-    let (light, plain, from) = (of(0), of(1), heavy.mean[line]);
-    let way = beyond.to - from;
-    let step = (from - plain).abs().max(0.25 * way.abs()).max(precision(line));
-    let steps = (way.abs() / step).ceil().max(1.0);
-    let slope: [f64; N] = std::array::from_fn(|i| match (i == line, cases[0].mean[i], cases[1].mean[i]) {
-        (true, ..) => 1.0,
-        // What has reached its end already stays there.
-        (_, _, Some(plain)) if (heavy.mean[i] - plain).abs() < 0.05 * plain.abs() => 0.0,
-        (_, Some(own), _) => own / light,
-        _ => 0.0,
-    });
-    let loose = beyond.loose.as_deref().map(feature);
-    (1..=steps as u32)
-        .map(|n| {
-            let more = way * f64::from(n) / steps;
-            let mut mean: [f64; N] = std::array::from_fn(|i| heavy.mean[i] + slope[i] * more);
-            let mut prevents = heavy.prevents;
-            if let Some(loose) = loose {
-                (mean[loose], prevents[loose]) = (0.0, false);
-            }
-            let own = cases[2].spread;
-            let mut spread = spread_of(cause, &mean, &own);
-            (0..N).filter(|i| prevents[*i]).for_each(|i| spread[i] = NOT_THERE * precision(i));
-            if let Some(loose) = loose {
-                spread[loose] = LOOSE_MM;
-            }
-            let along = slope.map(|slope| slope * way / steps / libm::sqrt(12.0));
-            // The case as it would be counted: its amount goes on in proportion to the line.
-            let case = 3.0 + f64::from(n) / steps;
-            Atom { cause: heavy.cause, case, prior: 0.0, prevents, mean, along, spread, loose }
-        })
-        .collect()
 }
 
 /// Residuals and factor of the covariance of the readings under a hypothesis.
@@ -246,8 +251,8 @@ struct Predicted {
 
 impl Belief {
     /// Computes the probabilities for the readings of a key.
-    pub(super) fn of(key: usize, rows: Vec<Row>) -> Self {
-        let mut belief = Belief { healthy: Healthy::at(key), rows, atoms: atoms(), sets: Vec::new() };
+    pub(super) fn of(key: usize, rows: Vec<Row>, follows: Vec<Row>) -> Self {
+        let mut belief = Belief { healthy: Healthy::at(key), rows, follows, atoms: atoms(), sets: Vec::new() };
         belief.search();
         belief
     }
@@ -329,7 +334,8 @@ impl Belief {
             self.rows.iter().filter(is_prevented).count() as f64
         };
         let prevented: f64 = atoms.iter().map(|atom| taken(&&self.atoms[*atom])).sum();
-        let in_range: f64 = self.rows.iter().map(|row| self.in_range(row, atoms, is_other)).sum();
+        let rows = self.rows.iter().chain(&self.follows);
+        let in_range: f64 = rows.map(|row| self.in_range(row, atoms, is_other)).sum();
         let prior = prior + prevented * libm::log(TOOK_PLACE) + in_range;
         match self.predicted(atoms, is_other) {
             Some(predicted) => prior + log_density(&predicted.factor, &predicted.off),

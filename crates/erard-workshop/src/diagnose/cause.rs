@@ -46,6 +46,12 @@ impl Cause {
             _ => None,
         }
     }
+
+    /// Returns the cause whose screw is set again after the largest change, and its amount.
+    pub(super) fn set_again(&self) -> Option<(&'static Cause, f64)> {
+        let again = self.beyond.as_ref()?.set_again.as_ref()?;
+        Some((causes().iter().find(|cause| cause.key == again.cause)?, again.amount))
+    }
 }
 
 /// Changes larger than the heavy case of the table.
@@ -58,8 +64,18 @@ pub(super) struct Beyond {
     pub to: f64,
     /// Amount of the cause that makes it.
     pub amount: f64,
-    /// Reading that is then where another screw has put it.
-    pub loose: Option<String>,
+    /// Screw that is then set again, because nobody leaves it where it is.
+    pub set_again: Option<SetAgain>,
+}
+
+/// A screw that is set again after a large change.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SetAgain {
+    /// Cause that turns it.
+    pub cause: String,
+    /// Amount of that cause.
+    pub amount: f64,
 }
 
 /// Cause without a model: a sentence with a test of ten seconds.

@@ -1,6 +1,7 @@
-//! Leverage and inertia from the given weights and lengths, as bands, with notes on missing readings.
+//! Leverage, inertia and what else follows from weights and lengths, as bands, with notes on missing readings.
 
-use super::entry::{Known, at};
+use super::effect::{BALANCE, FEATURES};
+use super::entry::{Known, at, entries, usual_range};
 use super::healthy::WHIPPEN_AT_FRONT_G;
 use crate::measure::usual::usual;
 
@@ -13,6 +14,14 @@ pub struct Band {
     pub high: f64,
 }
 
+impl Band {
+    /// Returns the middle, and the largest error of it.
+    #[must_use]
+    pub fn middle_and_error(self) -> (f64, f64) {
+        (0.5 * (self.low + self.high), 0.5 * (self.high - self.low))
+    }
+}
+
 /// Quantities that a technician cannot weigh, as far as they follow from readings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Geometry {
@@ -22,8 +31,32 @@ pub struct Geometry {
     pub front_weight_g: Option<Band>,
     /// Effective inertia at the key's front, kg.
     pub inertia_kg: Option<Band>,
+    /// Weight that follows from the others, where the ratio was read.
+    pub(super) follows: Option<Follows>,
     /// Assumptions and omissions, a sentence each.
     pub notes: Vec<String>,
+}
+
+/// Weight that follows from the ratio and the other weights by the equation of balance, BW + FW = KR WW + R SW.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Follows {
+    /// The features of which it is the sum, less `without`.
+    pub of: &'static [usize],
+    /// Balance weight that is assumed and not part of it, g.
+    pub without: f64,
+    /// Label of its line.
+    pub label: &'static str,
+    /// Its value, g.
+    pub value: Band,
+    /// Range of sound keys, g.
+    pub usual: [f64; 2],
+}
+
+impl Follows {
+    /// Name of its line.
+    pub(super) fn name(&self) -> &'static str {
+        FEATURES[self.of[0]]
+    }
 }
 
 /// Distance from the balance pin to where the key is pressed, mm: naturals of full-size grands. The built-in grand's is
@@ -53,8 +86,9 @@ impl Geometry {
         }
         let front_weight_g = front(known, &mut notes);
         let ratio = ratio(known, front_weight_g, &mut notes);
+        let follows = follows(known, key, front_weight_g, &mut notes);
         let inertia_kg = inertia(known, key, ratio, front_weight_g, &mut notes);
-        Geometry { ratio, front_weight_g, inertia_kg, notes }
+        Geometry { ratio, front_weight_g, inertia_kg, follows, notes }
     }
 }
 
@@ -126,6 +160,41 @@ fn ratio(known: &Known, front: Option<Band>, notes: &mut Vec<String>) -> Option<
         low: (balance - 1.0 + front.low + assist.low - whippen.high) / strike.high,
         high: (balance + 1.0 + front.high + assist.high - whippen.low) / strike.low,
     })
+}
+
+/// Returns what follows where the ratio was read and one weight was not: a balance weight, front weight or strike
+/// weight. Without a balance weight and a front weight, the front weight that the largest usual balance weight leaves.
+fn follows(known: &Known, key: usize, front: Option<Band>, notes: &mut Vec<String>) -> Option<Follows> {
+    let (ratio, strike) = (read(known, at::RATIO)?, read(known, at::STRIKE));
+    let balance = known.balance_g().map(|g| Band { low: g - 1.0, high: g + 1.0 });
+    let is_front_judged = entries()[at::FRONT].not_judged(key).is_none();
+    let (of, label): (&'static [usize], _) = match (balance, front, strike) {
+        (None, Some(_), Some(_)) => (&[BALANCE], "balance weight by the equation of balance"),
+        (Some(_), Some(_), None) => (&[at::STRIKE], "strike weight by the equation of balance"),
+        (Some(_), None, Some(_)) if is_front_judged => (&[at::FRONT], "front weight by the equation of balance"),
+        (None, None, Some(_)) if is_front_judged => {
+            (&[at::FRONT, BALANCE], "front weight at the largest usual balance weight")
+        }
+        _ => return None,
+    };
+    let usual = usual_range(FEATURES[of[0]], key)?;
+    let without = if of.len() > 1 { usual_range(FEATURES[BALANCE], key)?[1] } else { 0.0 };
+    let nothing = Band { low: 0.0, high: 0.0 };
+    let whippen = whippen_at_front(known, notes);
+    let assist = read(known, at::ASSIST).unwrap_or(nothing);
+    let [balance, front] = [balance, front].map(|own| own.unwrap_or(nothing));
+    let lifted = Band {
+        low: balance.low + front.low + assist.low - whippen.high,
+        high: balance.high + front.high + assist.high - whippen.low,
+    };
+    let value = match strike {
+        Some(strike) => Band {
+            low: ratio.low * strike.low - lifted.high - without,
+            high: ratio.high * strike.high - lifted.low - without,
+        },
+        None => Band { low: lifted.low / ratio.high, high: lifted.high / ratio.low },
+    };
+    Some(Follows { of, without, label, value, usual })
 }
 
 fn inertia(

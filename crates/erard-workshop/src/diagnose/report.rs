@@ -5,7 +5,7 @@ use super::belief::{BALANCE_PER_FRICTION, Belief, Row};
 use super::bench::{friction_of_swings, sound_friction};
 use super::cause::{Cause, Look, Side, causes, looks};
 use super::effect::{BALANCE, FEATURES, FRICTION, N, of_known, precision};
-use super::entry::{Known, at, entries, readings, usual_range};
+use super::entry::{Known, at, entries, usual_range};
 use super::geometry::Geometry;
 use super::healthy::set_by;
 use super::next::next;
@@ -31,6 +31,8 @@ const MORE_LIKELY: f64 = 1.5;
 const MAX_UNDECIDED: usize = 6;
 /// Friction weight from which weights are not yet those of the piano: they are taken again after easing, g.
 pub const WEIGH_AGAIN_G: f64 = 16.0;
+/// Place of friction in the trade's order of work.
+pub(super) const FRICTION_ORDER: u32 = 1;
 /// Place of leverage in the trade's order of work, before hammers and leads.
 pub(super) const LEVERAGE_ORDER: u32 = 11;
 /// A cure that takes other readings farther out, in precisions, than it brings in is withheld.
@@ -70,6 +72,8 @@ pub struct Judged {
     pub usual: Option<[f64; 2]>,
     /// Position relative to the usual range.
     pub standing: Standing,
+    /// Largest error of the value, in its unit.
+    pub error: f64,
     /// Mean of the neighbours' readings in a table of keys; `None` with fewer than two.
     pub neighbours: Option<f64>,
 }
@@ -84,8 +88,7 @@ impl Judged {
     /// Whether it is farther from them than two readings may be off.
     #[must_use]
     pub fn is_uneven(&self) -> bool {
-        let entry = readings().find(|entry| entry.name == self.name);
-        entry.zip(self.off_neighbours()).is_some_and(|(entry, off)| off.abs() > 2.0 * entry.precision + 1e-9)
+        self.off_neighbours().is_some_and(|off| off.abs() > 2.0 * self.error + 1e-9)
     }
 }
 
@@ -204,13 +207,14 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
         return diagnosis;
     }
     (diagnosis.looks, diagnosis.is_look) = looks_for(&diagnosis.lines);
-    let belief = Belief::of(key, rows(known, key, &diagnosis.geometry));
+    let follows = diagnosis.geometry.follows.iter().map(Row::following).collect();
+    let belief = Belief::of(key, rows(known, key, &diagnosis.geometry), follows);
     let of = belief.of_causes();
     let mut order: Vec<usize> = (0..of.len()).collect();
     order.sort_by(|a, b| of[*b].total_cmp(&of[*a]));
     let ranked = |cause: usize| {
         let (case, change) = belief.case_and_change(cause);
-        let withheld = worsens(&diagnosis.lines, &change);
+        let withheld = worsens(&diagnosis.lines, &change, &[0.0; N]);
         let explains = explained(known, &change);
         Ranked { cause: &causes()[cause], probability: of[cause], case, explains, withheld }
     };
@@ -236,7 +240,12 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
         features[feature].is_some() || not_caught || (feature == at::HAMMER_FLANGE && known.at(at::SWINGS).is_some())
     };
     let is_unread = |cause: &Cause| {
-        let is_derived = |feature: usize| feature == at::RATIO && diagnosis.geometry.ratio.is_some();
+        let geometry = &diagnosis.geometry;
+        let is_derived = |feature: usize| match feature {
+            at::RATIO => geometry.ratio.is_some(),
+            at::FRONT if geometry.front_weight_g.is_some() => true,
+            _ => geometry.follows.as_ref().is_some_and(|follows| follows.of == [feature]),
+        };
         set_by(cause).is_some_and(|feature| !is_known(feature) && !is_derived(feature))
     };
     let is_own_line_out = |cause: &Cause| {
@@ -259,14 +268,30 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
             of[own] / of[other] >= by * cause.common / rival.common
         })
     };
-    let is_likely =
-        |ranked: &Ranked| ranked.probability >= NAMED && is_decided(ranked) && !is_own_line_in_range(ranked);
+    // A screw, a hammer or leads are read before anything is done to them. Friction and leverage show in other readings.
+    let is_read = |cause: &Cause| [FRICTION_ORDER, LEVERAGE_ORDER].contains(&cause.order) || !is_unread(cause);
+    let is_likely = |ranked: &Ranked| {
+        let is_due = !is_own_line_in_range(ranked) && is_read(ranked.cause);
+        ranked.probability >= NAMED && is_due && is_decided(ranked)
+    };
     let (mut likely, others): (Vec<Ranked>, Vec<Ranked>) = likely.partition(is_likely);
     let makes_up: Vec<&str> = likely.iter().flat_map(|ranked| made_up_by(&ranked.cause.key)).copied().collect();
     for ranked in likely.iter_mut().filter(|ranked| makes_up.contains(&&*ranked.cause.key)) {
         ranked.withheld.get_or_insert_with(|| MADE_UP.to_owned());
     }
-    // Of leverage, hammers and leads, one at a time.
+    // Leverage, hammers and leads that are likely are judged together, for all of them will be done, and one at a time.
+    let changes: Vec<(&Cause, [f64; N])> = likely
+        .iter()
+        .filter(|ranked| ranked.cause.order >= LEVERAGE_ORDER)
+        .map(|ranked| (ranked.cause, belief.case_and_change(place(ranked)).1.map(|by| by.unwrap_or(0.0))))
+        .collect();
+    for (own, (cause, change)) in changes.iter().enumerate() {
+        let others = changes.iter().enumerate().filter(|(other, _)| *other != own);
+        let others = others.fold([0.0; N], |sum, (_, (_, by))| std::array::from_fn(|i| sum[i] + by[i]));
+        for ranked in likely.iter_mut().filter(|ranked| ranked.cause == *cause) {
+            ranked.withheld = worsens(&diagnosis.lines, &change.map(Some), &others);
+        }
+    }
     let weights = likely.iter().filter(|ranked| ranked.cause.order >= LEVERAGE_ORDER);
     if let Some(first) = weights.map(|ranked| ranked.cause).min_by_key(|cause| cause.order) {
         let name = first.name.split(':').next().unwrap_or_default();
@@ -281,7 +306,9 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
     named.sort_by_key(|ranked| ranked.cause.order);
     diagnosis.causes = named;
     diagnosis.undecided = rest.into_iter().chain(others).filter(is_told).take(MAX_UNDECIDED).collect();
-    diagnosis.next = next(&belief, is_known).filter(|next| next.bits >= LEAST_BITS).map(|next| {
+    let is_asked = is_for_causes(&diagnosis.lines, &diagnosis.looks);
+    let next = Some(&belief).filter(|_| is_asked).and_then(|belief| next(belief, is_known));
+    diagnosis.next = next.filter(|next| next.bits >= LEAST_BITS).map(|next| {
         let entry = &entries()[next.feature];
         let would_read = next
             .would_read
@@ -320,32 +347,50 @@ fn made_up_by(cause: &str) -> &'static [&'static str] {
 /// Causes without a model for the readings that are out, those whose own sign a reading is first; and whether the first
 /// is one of these.
 fn looks_for(lines: &[Judged]) -> (Vec<&'static Look>, bool) {
-    let out = |name: &String| lines.iter().find(|line| line.name == *name && line.standing == Standing::Out);
-    let is_own = |look: &Look| {
-        look.if_out.iter().filter_map(out).any(|line| match (look.own_sign, line.value, line.usual) {
-            (Some(Side::High), Some(value), Some([_, high])) => value > high,
-            (Some(Side::Low), Some(value), Some([low, _])) => value < low,
-            _ => false,
-        })
-    };
+    let is_beyond = |line: &Judged| [Standing::Doubtful, Standing::Out].contains(&line.standing);
     let is_due = |look: &&Look| match look.own_sign {
-        Some(_) => is_own(look),
-        None => look.if_out.iter().any(|name| out(name).is_some()),
+        Some(_) => lines.iter().any(|line| is_beyond(line) && is_sign(line, look)),
+        None => lines.iter().any(|line| line.standing == Standing::Out && is_of(line, look)),
     };
+    let is_own = |look: &Look| lines.iter().any(|line| line.standing == Standing::Out && is_sign(line, look));
     let mut found: Vec<&Look> = looks().iter().filter(is_due).collect();
     found.sort_by_key(|look| !is_own(look));
     let is_first = found.first().is_some_and(|look| is_own(look));
     (found, is_first)
 }
 
-/// Reason why the cure of a cause with this effect is withheld: other readings would go farther out than those that it
-/// brings in.
-fn worsens(lines: &[Judged], change: &[Option<f64>; N]) -> Option<String> {
+fn is_of(line: &Judged, look: &Look) -> bool {
+    look.if_out.iter().any(|name| line.name == name)
+}
+
+/// Whether a reading is a sign of this cause alone: on its side of the usual range.
+fn is_sign(line: &Judged, look: &Look) -> bool {
+    let is_on_its_side = match (look.own_sign, line.value, line.usual) {
+        (Some(Side::High), Some(value), Some([_, high])) => value > high,
+        (Some(Side::Low), Some(value), Some([low, _])) => value < low,
+        _ => false,
+    };
+    is_on_its_side && is_of(line, look)
+}
+
+/// Whether some reading that is out is one that causes of the table change, and no look's own sign: otherwise no
+/// further reading tells which of them it is.
+fn is_for_causes(lines: &[Judged], looks: &[&Look]) -> bool {
+    let weights = [at::DOWN, at::UP, at::SWINGS].map(|index| entries()[index].name);
+    let is_told = |line: &Judged| FEATURES.contains(&line.name) || weights.contains(&line.name);
+    lines
+        .iter()
+        .any(|line| line.standing == Standing::Out && is_told(line) && !looks.iter().any(|look| is_sign(line, look)))
+}
+
+/// Reason why the cure of a cause with this effect is withheld, where `others` are undone, too: other readings would go
+/// farther out than those that it brings in.
+fn worsens(lines: &[Judged], change: &[Option<f64>; N], others: &[f64; N]) -> Option<String> {
     let (mut by, mut worst): (f64, Option<(f64, &Judged, f64)>) = (0.0, None);
     for (feature, name) in FEATURES.iter().enumerate() {
         let line = lines.iter().find(|line| line.name == *name).filter(|line| is_judged(line));
         let Some((line, value, [low, high], change)) = line.and_then(|line| {
-            let (value, range, change) = (line.value?, line.usual?, change[feature]?);
+            let (value, range, change) = (line.value? - others[feature], line.usual?, change[feature]?);
             Some((line, value, range, change))
         }) else {
             continue;
@@ -400,10 +445,7 @@ fn rows(known: &Known, key: usize, geometry: &Geometry) -> Vec<Row> {
         rows.iter_mut().filter(|row| row.of[0].0 == FRICTION).for_each(|row| row.error = row.error.hypot(UNTAPPED_G));
     }
     if let Some(ratio) = derived {
-        // The band adds largest errors, which are about three times the standard error of their sum.
-        let error = (ratio.high - ratio.low) / 6.0;
-        let (value, range) = (0.5 * (ratio.low + ratio.high), sound_range(at::RATIO, key));
-        rows.push(Row { of: vec![(at::RATIO, 1.0)], value, error, range });
+        rows.push(Row::of_band(vec![(at::RATIO, 1.0)], ratio, sound_range(at::RATIO, key)));
     }
     match (known.at(at::DOWN), known.at(at::UP)) {
         (Some(down), None) => {
@@ -466,7 +508,8 @@ fn lines(known: &Known, key: usize, geometry: &Geometry) -> Vec<Judged> {
             };
             let usual = usual.filter(|_| !follows);
             let (name, label, unit, decimals) = (entry.name, entry.label, entry.unit, entry.decimals);
-            lines.push(Judged { name, label, unit, decimals, value, usual, standing, neighbours: None });
+            let error = entry.precision;
+            lines.push(Judged { name, label, unit, decimals, value, usual, standing, error, neighbours: None });
         }
         if index == at::UP {
             // Friction shifts the balance weight a little: above the usual it is known so well only.
@@ -488,17 +531,32 @@ fn lines(known: &Known, key: usize, geometry: &Geometry) -> Vec<Judged> {
                         value: Some(value),
                         usual,
                         standing,
+                        error,
                         neighbours: None,
                     });
                 }
             }
         }
+        if let (at::RATIO, Some(follows)) = (index, &geometry.follows) {
+            let (middle, error) = follows.value.middle_and_error();
+            lines.push(Judged {
+                name: follows.name(),
+                label: follows.label,
+                unit: "g",
+                decimals: 1,
+                value: Some(middle),
+                usual: Some(follows.usual),
+                standing: stands(middle, follows.usual, error, 1),
+                error,
+                neighbours: None,
+            });
+        }
         if let (at::RATIO, None, Some(ratio)) = (index, value, geometry.ratio) {
             let usual = entry.range(key);
-            let middle = 0.5 * (ratio.low + ratio.high);
+            let (middle, error) = ratio.middle_and_error();
             let standing = match (entry.not_judged(key), usual) {
                 (Some(why), _) => Standing::NotJudged(why),
-                (None, Some(range)) => stands(middle, range, 0.5 * (ratio.high - ratio.low), entry.decimals),
+                (None, Some(range)) => stands(middle, range, error, entry.decimals),
                 (None, None) => Standing::NoRange,
             };
             let label = "leverage R by the equation of balance";
@@ -510,6 +568,7 @@ fn lines(known: &Known, key: usize, geometry: &Geometry) -> Vec<Judged> {
                 value: Some(middle),
                 usual,
                 standing,
+                error,
                 neighbours: None,
             });
         }

@@ -5,7 +5,7 @@ mod proof;
 
 use erard::instrument::Instrument;
 use erard_workshop::balance::Lead;
-use erard_workshop::diagnose::{Diagnosis, Known, Standing, causes, check_effects, diagnose, inject};
+use erard_workshop::diagnose::{Diagnosis, Judged, Known, Standing, causes, check_effects, diagnose, inject};
 use erard_workshop::measure::measure;
 use erard_workshop::sample::Sampled;
 use erard_workshop::validate::{CaseUse, CaseVerdict, Cases};
@@ -116,8 +116,76 @@ fn published_pianos_that_choose() {
 
 /// Cases that choose and are missed. Of two heavier things the head is inside its range at 10.4 g; a hammer that is not
 /// caught can be a far check, a shallow dip or a tail, and only the last two are left open; a heavy hammer and a ratio
-/// that do not go together are each inside their ranges, and nothing judges the two of them.
+/// that do not go together need 42.7 g of front weight, which is over the ceiling of 41.3 g by less than readings err.
 const MISSED: [&str; 3] = ["planted-capstan-head-20 40", "tails 12", "heavy-hammers-at-5-9 1"];
+
+/// With a ratio that was read, the weight that was not follows by the equation of balance, with KR WW = 9.5 g. By hand:
+/// 9.5 + 6 x 10 - 20 = 49.5 g of balance weight, 9.5 + 6 x 10.4 - 35 = 36.9 g of front weight, and
+/// (37 + 20 - 9.5) / 5 = 9.5 g of strike weight. What was read is in its range; the first two that follow are not.
+#[test]
+fn weights_that_follow_from_the_ratio_are_judged() {
+    let asked = |readings: &[(&str, f64)]| diagnose(&known(readings), 40);
+    let line = |found: &Diagnosis, name: &str| {
+        let of = |line: &&Judged| line.name == name && line.label.contains("equation");
+        found.lines.iter().find(of).map(|line| (line.value.unwrap(), line.standing.clone())).unwrap()
+    };
+    let heavy = asked(&[("strike_weight_g", 10.0), ("strike_weight_ratio", 6.0), ("front_weight_g", 20.0)]);
+    let (value, standing) = line(&heavy, "balance_weight_g");
+    assert!((value - 49.5).abs() < 0.05 && standing == Standing::Out, "{value} {standing:?}");
+    assert!(named(&heavy).iter().all(|cause| *cause == "leads_few"), "{:?}", named(&heavy));
+    let weights = [("down_weight_g", 45.0), ("up_weight_g", 25.0), ("strike_weight_ratio", 6.0)];
+    let leaded = asked(&[&weights[..], &[("strike_weight_g", 10.4)]].concat());
+    let (value, standing) = line(&leaded, "front_weight_g");
+    assert!((value - 36.9).abs() < 0.05 && standing == Standing::Out, "{value} {standing:?}");
+    let weights = [("down_weight_g", 47.0), ("up_weight_g", 27.0), ("strike_weight_ratio", 5.0)];
+    let sound = asked(&[&weights[..], &[("front_weight_g", 20.0)]].concat());
+    assert!((line(&sound, "strike_weight_g").0 - 9.5).abs() < 0.05 && !sound.is_work(), "{sound:?}");
+}
+
+/// A hammer and a leverage that are each in their ranges within a reading's error may need more lead than a key should
+/// carry: 9 + 6.1 x 10.6 - 40 = 33.7 g of front weight, for a ceiling of 30. Either may be the cause: these readings do
+/// not tell which, and say so.
+#[test]
+fn hammer_and_leverage_are_judged_together() {
+    let pair = [("strike_weight_g", 10.6), ("strike_weight_ratio", 6.1)];
+    let whippen = [("whippen_weight_g", 18.0), ("key_ratio", 0.5)];
+    let found = diagnose(&known(&[&pair[..], &whippen[..]].concat()), 40);
+    let needed = found.lines.iter().find(|line| line.name == "front_weight_g").unwrap();
+    assert!((needed.value.unwrap() - 33.66).abs() < 0.05 && needed.standing == Standing::Out, "{needed:?}");
+    assert!(named(&found).is_empty(), "{:?}", named(&found));
+    let open = open(&found);
+    assert!(open.contains(&"hammer_heavy") && open.contains(&"ratio_high"), "{open:?}");
+    assert!(found.open_question().unwrap().starts_with("These readings decide nothing among"));
+    // At the ends of both ranges it is 9.5 + 6.06 x 10.5 - 40 = 33.1 g, which these readings do not know well enough.
+    let found = diagnose(&known(&[("strike_weight_g", 10.5), ("strike_weight_ratio", 6.06)]), 40);
+    assert!(!found.is_work() && found.is_doubtful(), "{}", found.verdict());
+    assert!(diagnose(&known(&[("strike_weight_g", 9.5), ("strike_weight_ratio", 5.5)]), 40).undecided.is_empty());
+}
+
+/// Nobody is sent to a screw, a hammer or leads whose own reading was not taken: a balance weight of 45 g names none, and
+/// a short blow names no lever height, which moves it on some grands.
+#[test]
+fn what_was_not_read_is_not_changed() {
+    let weights = [("down_weight_g", 54.0), ("up_weight_g", 36.0)];
+    let found = diagnose(&known(&weights), 40);
+    assert!(found.is_work() && named(&found).is_empty(), "{:?}", named(&found));
+    assert!(["hammer_heavy", "leads_few", "ratio_high"].iter().all(|cause| open(&found).contains(cause)));
+    let short = diagnose(&known(&[("dip_mm", 10.0), ("blow_mm", 42.5), ("aftertouch_mm", 1.0)]), 40);
+    assert!(short.is_work() && named(&short).is_empty() && open(&short)[0] == "lever_high", "{:?}", short.causes);
+    // Front weight, hammer and the ratio that follows are right but for the leads.
+    let found = diagnose(&known(&[&weights[..], &[("front_weight_g", 17.0), ("strike_weight_g", 9.5)]].concat()), 40);
+    assert_eq!(named(&found), ["leads_few"], "{:?}", found.causes);
+}
+
+/// A low leverage and missing leads: either cure alone takes the balance weight farther out or leaves the ratio, and
+/// both together bring all of it in. Leverage comes first.
+#[test]
+fn cures_that_need_each_other_are_judged_together() {
+    let weights = [("down_weight_g", 58.0), ("up_weight_g", 38.0), ("front_weight_g", 5.0), ("strike_weight_g", 9.5)];
+    let found = diagnose(&known(&weights), 40);
+    assert_eq!(named(&found), ["ratio_low"], "{:?}", found.withheld);
+    assert_eq!(found.withheld.iter().map(|ranked| &*ranked.cause.key).collect::<Vec<_>>(), ["leads_few"]);
+}
 
 /// A reading proves that its event took place: a check that catches nothing is no cause of a brisk rise from it.
 #[test]
@@ -210,6 +278,14 @@ fn looks_are_sentences() {
     let found = diagnose(&known(&[("hammer_swings", 12.0)]), 40);
     assert!(found.is_look && found.causes.is_empty() && found.looks[0].key == "loose_pinning", "{found:?}");
     assert!(found.to_do()[0].contains("sideways"), "{:?}", found.to_do());
+    // No further reading tells more, and one that is doubtful says what it may be.
+    assert!(found.next.is_none());
+    let near = diagnose(&known(&[("hammer_swings", 10.0)]), 40);
+    assert!(!near.is_work() && near.verdict().contains("it may be: loose pinning"), "{}", near.verdict());
+    // A reading that no simulated cause changes has its looks, and asks for nothing.
+    let lost = diagnose(&known(&[("lost_motion_mm", 1.0)]), 40);
+    assert!(lost.is_work() && lost.verdict().contains("look for: compressed cloth"), "{}", lost.verdict());
+    assert!(lost.next.is_none() && lost.to_do()[0].starts_with("Look for compressed cloth"), "{:?}", lost.to_do());
     let damp = diagnose(&known(&[("down_weight_g", 62.0), ("up_weight_g", 16.0)]), 40);
     assert!(!damp.is_look && damp.looks.iter().any(|look| look.key == "humidity"), "{:?}", damp.looks);
 }
