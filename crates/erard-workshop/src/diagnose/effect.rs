@@ -175,8 +175,8 @@ pub fn effects_csv(grands: &[Instrument], title: &str, progress: &mut Progress<'
     Ok(text)
 }
 
-/// Simulates one case of one cause anew, counted from 0, and returns the largest difference from the file in units of a reading's
-/// precision.
+/// Simulates one case of one cause anew, counted from 0, and returns the largest difference from the file in units of a
+/// reading's precision.
 ///
 /// # Errors
 /// See [`MeasureError`].

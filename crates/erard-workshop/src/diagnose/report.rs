@@ -268,7 +268,7 @@ pub fn diagnose(known: &Known, key: usize) -> Diagnosis {
             of[own] / of[other] >= by * cause.common / rival.common
         })
     };
-    // A screw, a hammer or leads are read before anything is done to them. Friction and leverage show in other readings.
+    // A screw, a hammer or leads are read before anything is done to them. Friction and leverage show elsewhere.
     let is_read = |cause: &Cause| [FRICTION_ORDER, LEVERAGE_ORDER].contains(&cause.order) || !is_unread(cause);
     let is_likely = |ranked: &Ranked| {
         let is_due = !is_own_line_in_range(ranked) && is_read(ranked.cause);

@@ -162,8 +162,8 @@ fn hammer_and_leverage_are_judged_together() {
     assert!(diagnose(&known(&[("strike_weight_g", 9.5), ("strike_weight_ratio", 5.5)]), 40).undecided.is_empty());
 }
 
-/// Nobody is sent to a screw, a hammer or leads whose own reading was not taken: a balance weight of 45 g names none, and
-/// a short blow names no lever height, which moves it on some grands.
+/// Nobody is sent to a screw, a hammer or leads whose own reading was not taken: a balance weight of 45 g names none,
+/// and a short blow names no lever height, which moves it on some grands.
 #[test]
 fn what_was_not_read_is_not_changed() {
     let weights = [("down_weight_g", 54.0), ("up_weight_g", 36.0)];
