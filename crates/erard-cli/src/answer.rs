@@ -95,19 +95,32 @@ impl Answer {
     /// Ends what is printed: which files were written, how to repeat the answer, and what `--full` adds.
     #[must_use]
     pub(crate) fn end(self, session: &mut Session, written: &Written) -> Self {
+        Self::end_with(session, |is_whole| if is_whole { written.to_string() } else { written.brief() });
+        self.files(written)
+    }
+
+    /// Ends what is printed of an answer that wrote no file.
+    #[must_use]
+    pub(crate) fn end_without_files(self, session: &mut Session) -> Self {
+        Self::end_with(session, |_| String::new());
+        self
+    }
+
+    /// Ends what is printed. `written` names the files, all of them where the whole answer is printed.
+    fn end_with(session: &mut Session, written: impl FnOnce(bool) -> String) {
         let left_out = session.printer.end_rest();
-        if left_out.is_some() {
+        let written = written(left_out.is_none());
+        if left_out.is_some() || written.is_empty() {
             session.printer.line(String::new());
-            session.printer.line(written.brief());
-        } else {
-            session.printer.line(written.to_string());
+        }
+        if !written.is_empty() {
+            session.printer.line(written);
         }
         let repeat = session.provenance.repeated();
         session.printer.line(repeat);
         if let Some(adds) = left_out {
             session.printer.line(format!("More: --full adds {adds}."));
         }
-        self.files(written)
     }
 
     /// All was done and written, but it is not what was asked for: exit code 1, with this message.

@@ -22,8 +22,15 @@ pub fn version() -> String {
 }
 
 /// Options that say where results go and how they are reported, not what they are; with a value, or without.
-const ELSEWHERE: [(&str, bool); 6] =
-    [("out", true), ("out-file", true), ("force", false), ("quiet", false), ("json", false), ("full", false)];
+const ELSEWHERE: [(&str, bool); 7] = [
+    ("out", true),
+    ("out-file", true),
+    ("force", false),
+    ("quiet", false),
+    ("json", false),
+    ("full", false),
+    ("bibtex", false),
+];
 
 /// The command line, and what was read.
 #[derive(Debug, Default)]
@@ -118,12 +125,7 @@ impl Provenance {
     /// How the results are made again: the command, the version, and a digest of what they were made from.
     pub(crate) fn repeated(&self) -> String {
         let version = version().replace(['(', ')'], "");
-        let digests: Vec<&str> = self.sources.iter().filter_map(|source| source.sha256.as_deref()).collect();
-        let digest = match digests[..] {
-            [] => String::new(),
-            [one] => format!(", digest {}", &one[..12]),
-            _ => format!(", digest {}", &hex(&Sha256::digest(digests.join("\n")))[..12]),
-        };
+        let digest = self.digest().map_or(String::new(), |digest| format!(", digest {digest}"));
         let made = format!("(erard {version}{digest})");
         // Two blanks keep a line unfolded, so that it can be copied into a shell.
         let whole = format!("Repeat:  {}  {made}", self.command);
@@ -139,6 +141,30 @@ impl Provenance {
         });
         let words = wrapped(&held.collect::<String>(), MAX_WIDTH - 12);
         format!("Repeat:  {}\n  {made}", words.join(" \\\n           ").replace(HELD, " "))
+    }
+
+    /// The first signs of a digest of all that was read; `None` if nothing was.
+    fn digest(&self) -> Option<String> {
+        let digests: Vec<&str> = self.sources.iter().filter_map(|source| source.sha256.as_deref()).collect();
+        let all = match digests[..] {
+            [] => return None,
+            [one] => one.to_owned(),
+            _ => hex(&Sha256::digest(digests.join("\n"))),
+        };
+        Some(all[..12].to_owned())
+    }
+
+    /// A BibTeX entry for the program as it made the answer. `CITATION.cff` has the same title and authors.
+    pub(crate) fn bibtex(&self) -> String {
+        let commit = COMMIT.map(|commit| format!("commit {commit}"));
+        let command = format!("\\texttt{{{}}}", in_latex(&self.command));
+        let digest = self.digest().map(|digest| format!("digest {digest}"));
+        let note = commit.into_iter().chain([command]).chain(digest).collect::<Vec<_>>().join(", ");
+        format!(
+            "@software{{erard,\n  author  = {{{{The Erard developers}}}},\n  title   = {{Erard: a simulator of the grand \
+             piano action}},\n  version = {{{}}},\n  note    = {{{note}}}\n}}",
+            env!("CARGO_PKG_VERSION")
+        )
     }
 
     /// What makes the results now.
@@ -161,6 +187,20 @@ fn quoted(word: &str) -> String {
         return word.to_owned();
     }
     format!("'{}'", word.replace('\'', "'\\''"))
+}
+
+/// A text as LaTeX prints it.
+fn in_latex(text: &str) -> String {
+    let escaped = |c: char| match c {
+        '\\' => "\\textbackslash{}".to_owned(),
+        '~' => "\\textasciitilde{}".to_owned(),
+        '^' => "\\textasciicircum{}".to_owned(),
+        // Two dashes in a row would be one.
+        '-' => "-{}".to_owned(),
+        '#' | '$' | '%' | '&' | '_' | '{' | '}' => format!("\\{c}"),
+        c => c.to_string(),
+    };
+    text.chars().map(escaped).collect()
 }
 
 pub(crate) fn hex(bytes: &[u8]) -> String {

@@ -84,6 +84,28 @@ fn samples(weighed: &[WeighedKey]) -> Vec<usize> {
     samples
 }
 
+/// The first lines: the weights at both ends of what was weighed.
+pub(crate) fn headlines(weighed: &[WeighedKey]) -> Vec<String> {
+    let mut ends = weighed.iter().filter(|one| one.weights.is_ok());
+    let Some(first) = ends.next() else { return Vec::new() };
+    let last = ends.next_back().unwrap_or(first);
+    let from_to = |column: usize| {
+        let [from, to] = [first, last].map(|one| decimal(Some(numbers(one)[column]), 1));
+        format!("{from} g to {to} g")
+    };
+    vec![
+        format!(
+            "From {} to {} the down-weight goes from {}, the up-weight from {}.",
+            first.note,
+            last.note,
+            from_to(3),
+            from_to(4)
+        ),
+        format!("Balance weight: {}. Friction weight: {}.", from_to(5), from_to(6)),
+        format!("Hammer with its shank: {}. Front weight of the key: {}.", from_to(0), from_to(2)),
+    ]
+}
+
 /// The table for people: a row per quantity, a column per sample of the keys.
 pub(crate) fn text(weighed: &[WeighedKey]) -> String {
     let samples: Vec<&WeighedKey> = samples(weighed).into_iter().map(|at| &weighed[at]).collect();

@@ -17,6 +17,9 @@ pub struct OutputMode {
     /// Print the answer as JSON on standard output
     #[arg(long, global = true)]
     pub json: bool,
+    /// Also print a BibTeX entry that cites the program as it made this answer: version, commit, command, digest
+    #[arg(long, global = true, hide_short_help = true)]
+    pub bibtex: bool,
     /// The rest of an answer after its first lines, too. A program whose answers have a rest has an option for it.
     #[arg(skip)]
     pub full: bool,
@@ -82,6 +85,11 @@ impl Printer {
     /// Whether the answer is wanted as JSON.
     pub(crate) fn wants_json(&self) -> bool {
         self.mode.json
+    }
+
+    /// Whether a BibTeX entry is wanted beside the answer.
+    pub(crate) fn wants_bibtex(&self) -> bool {
+        self.mode.bibtex
     }
 
     /// Begins the rest of an answer: lines from here on are printed with `--full` only. `adds` says what they add.

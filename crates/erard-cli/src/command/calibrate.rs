@@ -46,7 +46,7 @@ pub(crate) struct Calibrate {
     /// Readings of every key: at rest, pressed and held, let go. CSV with the header `time_s,key,raw`
     #[arg(value_name = "READINGS.csv", required_unless_present = "contacts", conflicts_with = "contacts")]
     readings: Option<PathBuf>,
-    /// Rows without times: their number a second, Hz. The header names the keys of the columns, such as `40,41`, or is
+    /// Sampling rate of a log without times, Hz. The header names the keys of the columns, such as `40,41`, or is
     /// `key,raw`
     #[arg(long, value_name = "HZ", conflicts_with = "contacts", value_parser = between(Quantity::Frequency, "Hz", 20.0, 1e6), allow_hyphen_values = true)]
     rate: Option<f64>,

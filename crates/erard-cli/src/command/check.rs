@@ -93,7 +93,7 @@ impl Check {
                 }
             },
         };
-        let answer = Answer::of(&checked)?;
+        let answer = Answer::of(&checked)?.end_without_files(session);
         Ok(if self.upgrade { answer.paths(upgrade::upgrade(session, &self.file)?) } else { answer })
     }
 
@@ -193,18 +193,25 @@ impl Check {
         let i: &Instrument = &file.instrument;
         print_line!(session, "{name}: an instrument, \"{}\"", i.name);
         print_line!(session);
-        Self::parts(session, i);
-        print_line!(
-            session,
-            "  {} bodies, {} springs, {} zones, {} screws, {} outlines of its own; {} numbers, {} without a source",
-            i.bodies.len(),
-            i.springs.len(),
-            i.zones.len(),
-            i.screws.len(),
-            i.parts.len(),
-            file.provenance.numbers.len(),
-            file.provenance.bare().count()
-        );
+        let some = |count: usize, one: &str| match count {
+            0 => None,
+            1 => Some(format!("1 {one}")),
+            many => Some(format!("{many} {}", one.replace("body", "bodie") + "s")),
+        };
+        let parts = [
+            some(i.bodies.len(), "body"),
+            some(i.springs.len(), "spring"),
+            some(i.zones.len(), "contact zone"),
+            some(i.strings.len(), "string"),
+            some(i.screws.len(), "screw"),
+            some(i.parts.len(), "outline of its own"),
+        ];
+        print_line!(session, "  {}.", parts.into_iter().flatten().collect::<Vec<_>>().join(", "));
+        let (numbers, bare) = (file.provenance.numbers.len(), file.provenance.bare().count());
+        match bare {
+            0 => print_line!(session, "  Each of its {numbers} numbers has a source."),
+            bare => print_line!(session, "  {bare} of its {numbers} numbers have no source."),
+        }
         let outlived = file.provenance.outlived_notes();
         if !outlived.is_empty() {
             print_line!(session);
@@ -225,6 +232,8 @@ impl Check {
                 "line": line, "key": key, "now": one.number.values, "was": one.was, "in": one.builtin, "note": note,
             }));
         }
+        session.printer.begin_rest("the tables of bodies, springs, strings and contact zones");
+        Self::parts(session, i);
         let counts = [
             ("bodies", i.bodies.len()),
             ("springs", i.springs.len()),
@@ -313,18 +322,19 @@ impl Check {
             let [low, high] = [1, KEYS].map(|key| format!("{}{unit}", curve.at(key)));
             [name.clone(), kind.to_owned(), low, high]
         });
-        print_line!(session, "{}", Table::of(["grading", "kind", "at key 1", "at key 88"], gradings));
+        match tried.iter().filter(|one| !one.warnings.is_empty()).count() {
+            0 => print_line!(session, "  The instruments of all {KEYS} keys are sound."),
+            doubtful => print_line!(session, "  {doubtful} of the {KEYS} keys cannot be trusted."),
+        }
         print_line!(
             session,
-            "  {} gradings of {} points, {} of them without a source; {}",
+            "  {} gradings of {} points, {} of them without a source.",
             keyboard.gradings.len(),
             points().count(),
-            points().filter(|point| point.citation.is_none()).count(),
-            match tried.iter().filter(|one| !one.warnings.is_empty()).count() {
-                0 => format!("the instruments of all {KEYS} keys are sound"),
-                doubtful => format!("{doubtful} of the {KEYS} keys cannot be trusted"),
-            }
+            points().filter(|point| point.citation.is_none()).count()
         );
+        session.printer.begin_rest("each grading at both ends of the keyboard");
+        print_line!(session, "{}", Table::of(["grading", "kind", "at key 1", "at key 88"], gradings));
         let doubts = doubts((1..).zip(&tried));
         for doubt in &doubts {
             warn!(session, "warning: {doubt}");

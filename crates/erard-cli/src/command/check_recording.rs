@@ -17,6 +17,26 @@ pub(super) fn told(session: &mut Session, ready: &Ready) -> Value {
     let rows = recording.time_s.len();
     print_line!(session, "{name}: a stroke of {rows} rows, {start_s} to {end_s} s");
     print_line!(session);
+    let steps = recording.time_s.windows(2).map(|t| t[1] - t[0]);
+    let (shortest, longest) = steps.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+    print_line!(session, "  time          sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
+    if end_s - start_s > MAX_DURATION_S {
+        print_line!(
+            session,
+            "                longer than `compare` takes: `--duration {MAX_DURATION_S}` compares its first {MAX_DURATION_S} s"
+        );
+    }
+    for channel in &prepared.report.channels {
+        let (factor, unit) = channel.role.quantity().shown();
+        let (low, high) = channel.range;
+        print_line!(session, "  {:<12}  {:.4} to {:.4} {unit}", channel.role.name(), low * factor, high * factor);
+    }
+    let warnings = prepared.report.warnings();
+    for warning in &warnings {
+        print_line!(session, "  warning: {warning}");
+    }
+    told_columns(session, recording, *position_of);
+    session.printer.begin_rest("the table's form, and of each channel its zero, its noise, its low-pass and its curve");
     let Dialect { separator, decimal_comma, skipped_rows } = recording.dialect;
     let separated = match separator {
         Some(',') => "separated by commas",
@@ -31,32 +51,13 @@ pub(super) fn told(session: &mut Session, ready: &Ready) -> Value {
         rows => format!(", {rows} rows above the header skipped"),
     };
     print_line!(session, "  table         {separated}{decimals}{skipped}");
-    print_line!(session);
-    let steps = recording.time_s.windows(2).map(|t| t[1] - t[0]);
-    let (shortest, longest) = steps.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
-    print_line!(session, "  time          sampled every {:.4} to {:.4} ms", shortest * 1e3, longest * 1e3);
-    if end_s - start_s > MAX_DURATION_S {
-        print_line!(
-            session,
-            "                longer than `compare` takes: `--duration {MAX_DURATION_S}` compares its first {MAX_DURATION_S} s"
-        );
-    }
     for channel in &prepared.report.channels {
-        let (factor, unit) = channel.role.quantity().shown();
-        let (low, high) = channel.range;
-        print_line!(session, "  {:<12}  {:.4} to {:.4} {unit}", channel.role.name(), low * factor, high * factor);
-        for line in channel.lines() {
-            print_line!(session, "                {line}");
-        }
-        for line in picture(&prepared.series, channel.role, start_s, end_s) {
+        print_line!(session, "  {}", channel.role.name());
+        let lines = channel.lines().into_iter().chain(picture(&prepared.series, channel.role, start_s, end_s));
+        for line in lines {
             print_line!(session, "                {line}");
         }
     }
-    let warnings = prepared.report.warnings();
-    for warning in &warnings {
-        print_line!(session, "  warning: {warning}");
-    }
-    told_columns(session, recording, *position_of);
     let column = |c: &Column| json!({"role": c.role.name(), "title": c.title, "unit": c.unit});
     let mut checked = checked("stroke", name, None, [("rows", rows)]);
     checked["stroke"] = json!({

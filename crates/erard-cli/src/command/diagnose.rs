@@ -37,7 +37,7 @@ pub(crate) struct Diagnose {
     /// A table of readings (CSV), a row for each key, columns named as the options are; or a measure.json
     #[arg(value_name = "READINGS")]
     file: Option<PathBuf>,
-    /// Which key it is, by number (1 to 88) or note (A0 to C8), for the usual ranges there [default: C4]
+    /// Key, by number (1 to 88) or note (A0 to C8); it selects the usual ranges [default: C4]
     #[arg(long, value_name = "KEY", value_parser = key, allow_negative_numbers = true)]
     key: Option<usize>,
     #[command(flatten)]

@@ -213,7 +213,7 @@ const SHORT: [Short; 22] = [
 /// Options of recordings, which have a heading of their own.
 const RECORDINGS: [&str; 7] = ["columns", "position", "zero", "invert", "delay", "low_pass", "order"];
 /// Options of every command; the last ones in a list.
-const GLOBAL: [&str; 5] = ["full", "json", "quiet", "help", "help-all"];
+const GLOBAL: [&str; 6] = ["full", "json", "quiet", "bibtex", "help", "help-all"];
 /// The heading of options that are not common.
 const MORE: &str = "More options";
 

@@ -12,7 +12,7 @@ use super::weigh::WeighOptions;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::instruments::{KeyboardKey, load_keyboard};
-use crate::keyboard::{pair, table, text, warnings, weighed_picture};
+use crate::keyboard::{headlines, pair, table, text, warnings, weighed_picture};
 use crate::number::whole;
 use crate::print_line;
 use crate::session::Session;
@@ -69,6 +69,8 @@ impl Keyboard {
         let written = output.commit(session)?;
         print_line!(session, "{} - 88 keys, {} of them weighed", keyboard.name, weighed.len());
         print_line!(session);
+        headlines(&weighed).into_iter().for_each(|line| print_line!(session, "{line}"));
+        session.printer.begin_rest("a table of keys from bass to treble");
         print_line!(session, "{}", text(&weighed).trim_end_matches('\n'));
         let doubts = warnings(&weighed);
         for doubt in &doubts {

@@ -19,7 +19,7 @@ use crate::heard::{NoteRow, PartialRow, partials_table, summary_table};
 use crate::inputs::shown;
 use crate::print_line;
 use crate::session::Session;
-use crate::table::{Table, three};
+use crate::table::{Table, spaced, three};
 use crate::warn;
 
 /// Text below the options.
@@ -104,7 +104,13 @@ impl Listen {
         let written = output.commit(session)?;
 
         print_line!(session, "{} recordings of {} keys", report.recordings, report.keys);
-        print_line!(session);
+        if summaries.len() > FIRST_KEYS {
+            let some = spaced(summaries.len(), FIRST_KEYS).into_iter().map(|at| summaries[at].clone());
+            let first: Vec<String> = printed(&some.collect::<Vec<_>>()).lines();
+            Answer::begin_with_part(session, &first, "a row for each key");
+        } else {
+            print_line!(session);
+        }
         print_line!(session, "{}", printed(&summaries));
         for (name, note) in heard.iter().filter(|(_, note)| note.clipped > 0) {
             warn!(
@@ -193,6 +199,9 @@ fn key_in(name: &str) -> Option<usize> {
         })
         .next()
 }
+
+/// Keys in the first lines of an answer.
+const FIRST_KEYS: usize = 5;
 
 /// A line for each key.
 fn printed(notes: &[NoteSummary]) -> Table<'static> {

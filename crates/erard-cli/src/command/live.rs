@@ -51,7 +51,7 @@ pub(crate) struct Live {
     /// Keyboard: a TOML file, or the name of a built-in one
     #[arg(long, value_name = "KEYBOARD", default_value = "concert-grand")]
     keyboard: Base,
-    /// Rows without times, such as a converter's log: their number a second, Hz. The header names the keys of the
+    /// Sampling rate of a log without times, such as a converter's, Hz. The header names the keys of the
     /// columns, such as `40,41`, or is `key,raw`
     #[arg(long, value_name = "HZ", value_parser = between(Quantity::Frequency, "Hz", 20.0, 1e6), allow_hyphen_values = true)]
     rate: Option<f64>,
@@ -84,7 +84,7 @@ pub(crate) struct Live {
     /// MIDI port of the system, by part of its name, instead of --out-file
     #[arg(long, value_name = "NAME")]
     midi_port: Option<String>,
-    /// Let all keys go if a pipe has sent nothing for this time, s; never for contacts, which send their edges only
+    /// Release all keys if a pipe has sent nothing for this time, s. Not for contacts, which send edges only
     #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = between(Quantity::Time, "s", 0.05, 3600.0), allow_hyphen_values = true)]
     stall: f64,
     /// Replace FILE if it exists

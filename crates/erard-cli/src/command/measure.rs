@@ -65,7 +65,7 @@ pub(crate) struct Measure {
     /// How the action comes to rest before everything that is measured. The list of --sheet takes it as played
     #[arg(long, value_name = "REST", value_enum, default_value = "as-played")]
     rest: RestBefore,
-    /// With --sheet: which one stays if dip and aftertouch cannot both be in range. The other changes within its range,
+    /// With --sheet: what to keep if dip and aftertouch cannot both be in range. The other changes within its range,
     /// then the blow
     #[arg(long, value_name = "WHAT", value_enum, default_value = "aftertouch", requires = "sheet")]
     priority: Stays,

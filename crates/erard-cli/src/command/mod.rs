@@ -184,10 +184,18 @@ pub fn run_program<P: FromArgMatches>(
 
 /// Prints the answer, or what went wrong. A failure is worth more than words that did not arrive.
 fn end(session: &mut Session, result: Result<Answer, Failure>) -> ExitCode {
-    let answer = match result {
+    let mut answer = match result {
         Ok(answer) => answer,
         Err(failure) => return report(session, &failure),
     };
+    if session.printer.wants_bibtex() {
+        let entry = session.provenance.bibtex();
+        entry.lines().for_each(|line| session.printer.line(line.to_owned()));
+        answer = match answer.with("bibtex", &entry) {
+            Ok(answer) => answer,
+            Err(failure) => return report(session, &failure),
+        };
+    }
     if session.printer.wants_json() {
         match serde_json::to_string_pretty(&answer.json()) {
             Ok(text) => print_json(session, &session.provenance.made_by().in_json(&text)),

@@ -217,6 +217,8 @@ impl Play {
         }
         score.remarks.iter().for_each(|remark| print_line!(session, "{remark}"));
         print_line!(session);
+        report::headlines(played).into_iter().for_each(|line| print_line!(session, "{line}"));
+        session.printer.begin_rest("counts of notes by fault and reason, more notes, the speed of the computation");
         print_line!(session, "{}", report::text(played));
         for side in &played.sides {
             let times = score.duration_s / side.elapsed_s;

@@ -28,6 +28,7 @@ use crate::summary::{MEASURES, Measure, Summary, headlines, value};
 use crate::table::Table;
 use crate::warn;
 use crate::wav::{Gain, limited};
+use erard_figures::drawing::moving_svg;
 use erard_figures::figure::run_picture;
 use erard_figures::page::{Shown, page_html};
 use erard_workshop::compare::{ForceUncertainty, PathNoise};
@@ -66,6 +67,9 @@ pub(crate) struct Press {
     /// Show the energy lost at each pin and contact: losses.json, losses.svg and losses.png
     #[arg(long)]
     losses: bool,
+    /// Also write the note as a picture that moves, slowed, in any browser: moving.svg
+    #[arg(long)]
+    moving: bool,
     /// Write the strings' force on the bridge as sound, NAME.wav in the output folder, and its spectrogram (SVG and
     /// PNG). Needs modal strings. 48 kHz, 16 bit; full scale is 150 N for all notes. There is no soundboard: it does
     /// not sound like a piano. The note is simulated again for it in steps of 1/96000 s [default: note.wav]
@@ -160,6 +164,9 @@ impl Press {
         output.figure(session, "run", &picture)?;
         output.text(session, "run.html", &page)?;
         let title = format!("{} - {}", run.instrument, stroke.title);
+        if self.moving {
+            output.text(session, "moving.svg", &moving_svg(instrument, &run, &title))?;
+        }
         if self.reactions {
             output.figure(session, "reactions", &reactions_picture(&run, &title, &pins))?;
         }
@@ -313,9 +320,9 @@ impl Press {
                 "--bands needs a single run; leave out --against and the second --instrument".into(),
             ));
         }
-        if self.reactions || self.losses || self.wav.is_some() {
+        if self.reactions || self.losses || self.moving || self.wav.is_some() {
             return Err(Failure::Usage(
-                "--reactions, --losses and --wav need a single run; leave out --against and the second --instrument"
+                "--reactions, --losses, --moving and --wav need a single run; leave out --against and the second --instrument"
                     .into(),
             ));
         }

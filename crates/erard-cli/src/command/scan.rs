@@ -46,7 +46,7 @@ pub(crate) struct Scan {
     /// Piece that is played: a Standard MIDI File
     #[arg(value_name = "PIECE.mid", required_unless_present = "cases")]
     piece: Option<PathBuf>,
-    /// Motions that mislead simple algorithms, after the piece: all of them, or those with these names
+    /// Play motions that mislead simple algorithms, after the piece: all of them, or those named
     #[arg(long, value_name = "NAME,NAME,..", num_args = 0..=1, default_missing_value = "all", value_parser = cases)]
     cases: Option<Cases>,
     /// Keys on which the cases are played, by number or note
@@ -63,7 +63,7 @@ pub(crate) struct Scan {
     /// upper one first. Their edges are written
     #[arg(long, value_name = "MM,MM", value_parser = list(between(Quantity::Length, "mm", 0.1, 20.0)), conflicts_with_all = ["hammers", "bits"], allow_hyphen_values = true)]
     contacts: Option<Values>,
-    /// Leave the keys as they are: without what a technician leaves of differences between them
+    /// Do not add the differences between keys that a technician leaves
     #[arg(long)]
     no_scatter: bool,
     /// Bits of the converters, one or several numbers from 4 to 24. A key's travel takes three quarters of the range

@@ -20,7 +20,7 @@ use crate::number::number;
 use crate::print_line;
 use crate::session::Session;
 use crate::study::sensitivities as sensitive;
-use crate::study::{crossed, figure, shown, table_of};
+use crate::study::{SpeedBands, crossed, figure, shown, table_of};
 use crate::table::{Table, spaced};
 use crate::warn;
 
@@ -182,7 +182,11 @@ impl Study {
         }
         output.table(session, "study.csv", &table)?;
         let title = format!("{} - {} ({})", instrument.name, stroke.title, stroke.driven());
-        if let Some(picture) = figure(&title, &axes, &rows) {
+        let bands = banded.as_ref().map(|(found, samples)| {
+            let speeds = found.rows.iter().filter(|row| row.name.ends_with(SPEED));
+            SpeedBands { ends: speeds.map(|row| [row.low, row.high]).collect(), samples: *samples }
+        });
+        if let Some(picture) = figure(&title, &axes, &rows, bands.as_ref()) {
             output.figure(session, "study", &picture)?;
         }
         let written = output.commit(session)?;

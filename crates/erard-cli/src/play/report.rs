@@ -190,7 +190,62 @@ fn ceilings(side: &Side, law: &Law<'_>) -> String {
     )
 }
 
-/// What is printed.
+/// Notes that went wrong among the first lines.
+const FIRST: usize = 3;
+/// Reasons among them.
+const FIRST_REASONS: usize = 3;
+
+/// The first lines: how many notes sound as written on each keyboard, what is wrong with the others, and most often
+/// why.
+pub(crate) fn headlines(played: &Played<'_>) -> Vec<String> {
+    const SAID: [&str; 6] = [
+        "silent",
+        "sounded twice",
+        "late by more than 2 ms",
+        "early by more than 2 ms",
+        "soft by more than 1 count",
+        "loud by more than 1 count",
+    ];
+    let mut lines = Vec::new();
+    for side in &played.sides {
+        let all = side.performance.summary();
+        let mut line = match (all.right == all.notes, all.notes) {
+            (true, 1) => format!("{}: the note sounds as written.", side.name),
+            (true, notes) => format!("{}: all {notes} notes sound as written.", side.name),
+            (false, notes) => {
+                let faults = SAID.iter().zip(all.faults).filter(|(_, count)| *count > 0);
+                let faults: Vec<String> = faults.map(|(said, count)| format!("{count} {said}")).collect();
+                format!("{}: {} of {notes} notes sound as written; {}.", side.name, all.right, faults.join(", "))
+            }
+        };
+        let mut reasons: Vec<(&str, usize)> =
+            Reason::NAMES.into_iter().zip(all.reasons).filter(|(_, count)| *count > 0).collect();
+        reasons.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        reasons.truncate(FIRST_REASONS);
+        if !reasons.is_empty() {
+            let reasons: Vec<String> = reasons.iter().map(|(name, count)| format!("{name} ({count})")).collect();
+            line += &format!(" Most often: {}.", reasons.join(", "));
+        }
+        lines.push(line);
+        lines.extend(ceilings(side, &played.score.law).lines().skip(1).map(str::to_owned));
+    }
+    if let [side] = &played.sides[..] {
+        let [counts, s] = side.performance.summary().home_errors;
+        lines.push(format!(
+            "A note from a resting key is off by at most {counts:.2} counts of velocity and {:.2} ms.",
+            1e3 * s
+        ));
+        let wrong = side.performance.notes.iter().enumerate().filter(|(_, note)| !note.faults().is_empty());
+        lines.extend(wrong.take(FIRST).map(|(n, note)| {
+            let (faults, reasons) = (faults(note), reasons(note));
+            let why = if reasons.is_empty() { String::new() } else { format!(": {reasons}") };
+            format!("  note {}, {} at {:.2} s: {faults}{why}", n + 1, note_name(note.wanted.key), note.wanted.on_s)
+        }));
+    }
+    lines
+}
+
+/// What is printed after them.
 pub(crate) fn text(played: &Played<'_>) -> String {
     let mut out = format!("{}\n", counts(played).to_string().trim_end());
     for side in &played.sides {

@@ -26,9 +26,33 @@ fn failed(rows: &[StudyRow]) -> String {
     }
 }
 
+/// The 5 and 95 % of a result over samples, row by row, and how many samples.
+pub(crate) struct SpeedBands {
+    pub ends: Vec<[Option<f64>; 2]>,
+    pub samples: u32,
+}
+
 /// The figure, which says how many strokes failed; `None` where [`chart`] makes none.
-pub(crate) fn figure(title: &str, axes: &[Axis], rows: &[StudyRow]) -> Option<Picture> {
-    chart(title, axes, rows).map(|chart| subtitled_chart_picture(&chart, &failed(rows), "study"))
+pub(crate) fn figure(title: &str, axes: &[Axis], rows: &[StudyRow], bands: Option<&SpeedBands>) -> Option<Picture> {
+    let mut chart = chart(title, axes, rows)?;
+    if let Some(bands) = bands {
+        // Of the other quantities, differences of instants, the bands of the instants give none.
+        add_bands(&mut chart.panels[0], rows, bands);
+    }
+    Some(subtitled_chart_picture(&chart, &failed(rows), "study"))
+}
+
+/// Adds dotted lines at 5 and 95 % of the samples, in each curve's colour.
+fn add_bands(panel: &mut ChartPanel, rows: &[StudyRow], bands: &SpeedBands) {
+    let curves = panel.curves.len();
+    for k in 0..curves {
+        for (end, label) in [format!("5 and 95 % of {} samples", bands.samples), String::new()].into_iter().enumerate()
+        {
+            let of_curve = rows.iter().zip(&bands.ends).skip(k).step_by(curves);
+            let (x, y) = of_curve.filter_map(|(row, ends)| Some((row.values[0], ends[end]?))).unzip();
+            panel.curves.push(ChartCurve { label, x, y, colour: k, mark: Dash::Dotted });
+        }
+    }
 }
 
 /// The chart; `None` where the first axis has one value only or the others make too many curves. Rows stand in the

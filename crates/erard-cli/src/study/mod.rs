@@ -4,5 +4,5 @@ mod figure;
 pub(crate) mod sensitivities;
 mod table;
 
-pub(crate) use figure::figure;
+pub(crate) use figure::{SpeedBands, figure};
 pub(crate) use table::{crossed, shown, table_of};

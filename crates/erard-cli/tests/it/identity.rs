@@ -7,6 +7,38 @@ use parquet::basic::{Compression, Type};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use serde_json::Value;
 
+/// The citation that a command gives is that of `CITATION.cff`, for the command and what it read; every command has it.
+#[test]
+fn every_answer_can_be_cited() {
+    let folder = Folder::new("identity-cited");
+    fs::write(folder.0.join("a_b.csv"), "time_s,force_N\n0,0\n1,5\n").unwrap();
+    let command = ["press", "a_b.csv", "--duration", "0.005"];
+    let plain = folder.short(&command);
+    let cited = folder.short(&[&command[..], &["--bibtex"]].concat());
+    let entry = cited.strip_prefix(&plain).expect("the entry comes last");
+    let citation = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../CITATION.cff")).unwrap();
+    let said =
+        |key: &str| citation.lines().find_map(|line| line.trim_start_matches(['-', ' ']).strip_prefix(key)).unwrap();
+    assert!(entry.starts_with("@software{erard,\n") && entry.ends_with("\n}\n"), "{entry}");
+    assert!(entry.contains(&format!("  title   = {{{}}},", said("title: ").trim_matches('"'))), "{entry}");
+    assert!(entry.contains(&format!("  author  = {{{{{}}}}},", said("name: "))), "{entry}");
+    assert!(entry.contains(&format!("  version = {{{}}},", said("version: "))), "{entry}");
+    // As LaTeX prints it.
+    assert!(entry.contains("\\texttt{erard press a\\_b.csv -{}-{}duration 0.005}"), "{entry}");
+    let digest = plain.split("digest ").nth(1).unwrap().split(')').next().unwrap();
+    assert!(entry.contains(&format!(", digest {digest}}}")), "{entry}");
+    let count = |sign: char| entry.matches(sign).count() - entry.matches(&format!("\\{sign}")).count();
+    assert_eq!(count('{'), count('}'), "{entry}");
+    // The files are the same; the answer as JSON has the entry only where it is asked for.
+    let json = |more: &[&str]| {
+        serde_json::from_str::<Value>(&folder.short(&[&command[..], &["--json"], more].concat())).unwrap()
+    };
+    let [without, mut with] = [json(&[]), json(&["--bibtex"])];
+    let own = with.as_object_mut().unwrap().remove("bibtex").unwrap();
+    assert_eq!((own.as_str().unwrap(), &with), (entry.trim_end(), &without));
+    assert!(folder.short(&["list", "strokes", "--bibtex"]).contains("@software{erard,"));
+}
+
 /// What the coreutils say the digest of a file is: not this program's own code.
 #[cfg(target_os = "linux")]
 fn sha256sum(folder: &Folder, file: &str) -> String {

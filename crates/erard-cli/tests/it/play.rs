@@ -44,6 +44,13 @@ fn a_piece_is_played_and_written() {
     let said = folder.good(&[&["play", "piece.mid"][..], &CHEAP].concat());
     assert!(said.starts_with("piece.mid - 3 notes, 0.8 s") && said.contains("real-time factor"), "{said}");
     assert!(!cfg!(target_os = "linux") || said.contains("\npeak memory "), "{said}");
+    let first = Folder::words(&folder.short(&[&["play", "piece.mid"][..], &CHEAP].concat()));
+    assert!(
+        first.contains("Concert grand: 1 of 3 notes sound as written; ") && first.contains(" Most often: "),
+        "{first}"
+    );
+    assert!(first.contains("note 3, C5 at 0.60 s: soft: louder than a hand can play it"), "{first}");
+    assert!(first.contains("More: --full adds") && !first.contains("real-time factor"), "{first}");
     let summary: Value = serde_json::from_str(&folder.read("out/summary.json")).unwrap();
     let own = &summary["keyboards"][0];
     assert_eq!((&summary["notes"], &own["keys"]), (&3.into(), &2.into()));

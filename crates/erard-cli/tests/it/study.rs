@@ -354,6 +354,7 @@ fn samples_that_fail_are_listed() {
     let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
     let failed = answer["failed_samples"].as_array().unwrap();
     assert_eq!(failed.iter().map(|one| one["sample"].as_u64()).collect::<Vec<_>>(), [Some(1), Some(2)]);
+    assert!(folder.read("erard-out-study/study.svg").contains("5 and 95 % of 2 samples"));
     let written = columns(&folder, "erard-out-study/failed-samples.csv");
     assert_eq!(written[0], ("sample".to_owned(), vec!["1".to_owned(), "2".to_owned()]));
     assert!(written[1].1.iter().all(|error| error.contains("not measured")), "{written:?}");

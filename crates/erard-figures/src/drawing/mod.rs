@@ -15,6 +15,7 @@ mod grand;
 mod labels;
 mod lever;
 mod material;
+mod moving;
 mod outline;
 mod piece;
 
@@ -25,6 +26,7 @@ pub(crate) use force::{ARROW, Arrow, arrow_sign, force_label};
 pub use force::{ArrowKind, angles_at, forces_at, pins_at};
 pub(crate) use labels::named_points;
 pub(crate) use material::GRADIENTS;
+pub use moving::moving_svg;
 pub(crate) use outline::path;
 pub(crate) use piece::{Carrier, Piece};
 
@@ -142,6 +144,9 @@ const STYLE: &[Rule] = &[
     Rule::new(&["caption"], &[Look::Fill(Paint::Colour("#2a2723")), Look::FontSize(6.0)]),
 ];
 
+/// Height of the line below the picture, mm of the picture.
+const CAPTION: f64 = 12.0;
+
 /// What follows each rule of the sheet.
 const RULE_END: &str = "\n";
 
@@ -163,7 +168,7 @@ pub fn pose_picture(instrument: &Instrument, angles_rad: &[f64], options: &PoseO
     }
     let caption_y = bottom + 5.0;
     if options.caption.is_some() {
-        bottom += 12.0;
+        bottom += CAPTION;
     }
     let told = changed::lines(&options.changed, right - left - 12.0);
     let told_y = bottom + changed::SIZE;
@@ -213,15 +218,20 @@ const NIGHT: &str = "@media (prefers-color-scheme:dark){.paper{fill:#26272b}.lab
 /// `data-point` it follows that point of the body (mm, as written) from where it is as drawn (`data-drawn`) without
 /// turning, with `data-guided` up and down only. `data-rail` says that the sustain pedal lifts it.
 pub(crate) fn shapes(drawing: &Drawing, placed: &[Placement]) -> [Node; 2] {
+    shapes_carried(drawing, &|carrier| carried(carrier, placed))
+}
+
+/// Pieces and pins, carried as the caller says.
+fn shapes_carried(drawing: &Drawing, carried: &dyn Fn(&Carrier) -> Carried) -> [Node; 2] {
     let part = |piece: &Piece| {
         let outline = path(piece);
-        let carried = carried(&piece.carrier, placed);
+        let carried = carried(&piece.carrier);
         (!outline.is_empty()).then(|| Shape::part(outline, material::looks(piece.finish), carried, &piece.name))
     };
     let pin = |body: &usize| {
         let nodes = [("pin", 1.5), ("pin-core", 0.5)]
             .map(|(class, radius)| Shape::of_class(class, Geometry::Circle(None, radius)));
-        let carried = carried(&Carrier::Body(*body), placed);
+        let carried = carried(&Carrier::Body(*body));
         Node::Group(Group { carried, nodes: nodes.into(), ..Group::default() })
     };
     let parts = drawing.pieces.iter().filter_map(part).collect();
