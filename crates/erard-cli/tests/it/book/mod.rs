@@ -76,8 +76,8 @@ fn files(folder: &Path) -> Vec<String> {
 }
 
 /// Pages with a command that takes half a minute or more: a fit, a reproduction, a sheet with its list of work, a
-/// piece on two keyboards, a keyboard weighed, the sensitivities of all numbers, a validation.
-const LONG: [&str; 10] = [
+/// piece on two keyboards, a keyboard weighed, the sensitivities of all numbers, a validation, a study of samples.
+const LONG: [&str; 11] = [
     "book/src/bench.md",
     "book/src/concert-grand.md",
     "book/src/keyboard.md",
@@ -85,6 +85,7 @@ const LONG: [&str; 10] = [
     "book/src/morning.md",
     "book/src/piece.md",
     "book/src/real.md",
+    "book/src/seminar.md",
     "book/src/study.md",
     "docs/notes/evidence.md",
     "docs/notes/strings.md",
