@@ -70,6 +70,8 @@ pub struct HammerKey<P> {
     accepted: Option<[f64; 2]>,
     is_sensed: bool,
     released_m: f64,
+    /// Instant of the last strike, s.
+    struck_s: f64,
     period_s: f64,
     /// Readings of the rise, and their number.
     rise: ([[f64; 2]; KEPT], usize),
@@ -94,6 +96,7 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
             accepted: None,
             is_sensed: false,
             released_m: 0.0,
+            struck_s: f64::NEG_INFINITY,
             period_s: USUAL_PERIOD_S,
             rise: ([[0.0; 2]; KEPT], 0),
             lowest_m: 0.0,
@@ -118,7 +121,8 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
         }
         self.notes = KeyNotes::new(self.crossing);
         (self.last, self.accepted, self.is_sensed) = (None, None, false);
-        (self.released_m, self.period_s, self.has_struck) = (0.0, USUAL_PERIOD_S, false);
+        (self.released_m, self.struck_s) = (0.0, f64::NEG_INFINITY);
+        (self.period_s, self.has_struck) = (USUAL_PERIOD_S, false);
         (self.rise.1, self.lowest_m, self.highest_m) = (0, 0.0, 0.0);
         self.counts = HammerCounts { nearest_m: self.head.whole_m(), ..HammerCounts::default() };
     }
@@ -185,7 +189,8 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
                 let speed = libm::sqrt((v * v - lost).max(0.25 * v * v));
                 self.has_struck = true;
                 self.counts.fastest_m_per_s = self.counts.fastest_m_per_s.max(speed);
-                hit = Some([time_s + (left_m / speed).max(-self.period_s), speed]);
+                self.struck_s = time_s + (left_m / speed).max(-self.period_s);
+                hit = Some([self.struck_s, speed]);
                 // Wherever the next reading is, the head comes from its stop.
                 (self.lowest_m, self.highest_m, self.rise.1) = (stop_m, stop_m, 0);
             }
@@ -208,7 +213,15 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
     pub fn take_release(&mut self, time_s: f64, reading: f64, send: &mut dyn FnMut(Event)) -> bool {
         let Some((converter, _)) = &mut self.release else { return false };
         self.released_m = converter.travel_m(time_s, reading);
-        self.notes.update(time_s, self.released_m, None).into_iter().flatten().for_each(send);
+        for event in self.notes.update(time_s, self.released_m, None).into_iter().flatten() {
+            send(match event {
+                // Its readings may be farther apart than its strikes: no note ends before it begins.
+                Event::Off { time_s, release_m_per_s } => {
+                    Event::Off { time_s: time_s.max(self.struck_s), release_m_per_s }
+                }
+                on @ Event::On { .. } => on,
+            });
+        }
         true
     }
 
