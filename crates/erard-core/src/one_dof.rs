@@ -8,7 +8,7 @@
 //! - J = r . M r, c_v = sum c_v,i (r_i - r_parent)^2,
 //! - c_d = sum c_d,i |r_i - r_parent| + sum mu_z N_z |s_z|, with the forces N_z of the contacts at rest and their slip
 //!   s_z per unit of key velocity,
-//! - alpha = power of gravity and springs per unit of key velocity.
+//! - alpha = power of gravity and springs per unit of key velocity. (O2) of the book.
 //!
 //! Bodies that those contacts do not reach (the damper, which the key picks up later) stay out of it.
 

@@ -1,4 +1,5 @@
-//! One contact zone in one step: its distance, Jacobian row, felt force, and the error of its linearisation.
+//! One contact zone in one step: its compression and Jacobian row, (C1) of the book, felt force, and the error of its
+//! linearisation.
 
 use crate::compiled_zone::CompiledZone;
 use crate::curvature::Margins;

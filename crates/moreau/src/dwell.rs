@@ -1,8 +1,9 @@
 //! Friction that grows while it sticks.
 //!
 //! A mechanism without such friction pays nothing for it. A law's bound is its kinetic bound times 1 + (ratio - 1) m.
-//! While the law sticks, m grows as dm/dt = (1 - m)/tau; when it slips, m = 0. Sticking is exact: nothing creeps. A
-//! step is first solved with the grown bounds, and again with the kinetic bounds of those laws that slipped.
+//! While the law sticks, m grows as dm/dt = (1 - m)/tau; when it slips, m = 0: (C10) of the book. Sticking is exact:
+//! nothing creeps. A step is first solved with the grown bounds, and again with the kinetic bounds of those laws that
+//! slipped.
 
 use crate::model::Model;
 use crate::real::{Mask, Real, Scalar, cast};

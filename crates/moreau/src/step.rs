@@ -3,24 +3,27 @@
 //!
 //! # Equations
 //!
-//! The mechanism obeys the measure differential equation `M(q) dv + F(t, q, v) dt = di` [T12 eqs 2-4, T13 eq 3], [M88].
+//! The mechanism obeys the measure differential equation `M(q) dv + F(t, q, v) dt = di` [T12 eqs 2-4, T13 eq 3], [M88],
+//! which is (T1) of the book (`book/src/model/time-stepping.md`).
 //! A fixed step h takes (q0, v0) to (q1, v1) without locating events [J99]:
 //!
 //! ```text
-//! M(q_*) (w1 - w0) = h Q(q_theta, w_theta, t_theta) + D(q_*) p           momentum over the step
+//! M(q_*) (w1 - w0) = h Q(q_theta, w_theta, t_theta) + D(q_*) p           momentum over the step: (T2) of the book
 //! w_theta = (1 - theta) w0 + theta w1                                    theta = 1/2: second order, no numerical damping
 //! q_theta = q0 + theta h v_theta,   q1 = q0 + h v_theta                  v_theta: absolute, from w_theta
-//! |p_i| <= h c_i  (pivots),   |p_j| <= h mu_j F_j  (sliding contacts)    each opposes its u = D^T w1; true stick at u = 0
+//! |p_i| <= h c_i  (pivots),   |p_j| <= h mu_j F_j  (sliding contacts)    each opposes its u = D^T w1; true stick at
+//!                                                                        u = 0: (T3) of the book
 //! ```
 //!
-//! Newton's method linearises the regular part to `A w1 = b + D p`, with A symmetric positive definite:
+//! Newton's method linearises the regular part to `A w1 = b + D p`, with A symmetric positive definite, (T4) of the
+//! book:
 //!
 //! ```text
 //! A = M + sum over zones of tangent G^T G + springs and dampers,         tangent = h theta (F_v + theta h F_g) >= 0
 //! ```
 //!
-//! Every iteration solves the one-step problem for (w1, p) exactly (`osnsp/`). An iteration is the last one when its
-//! correction is small, or when the error of the linearisation is (`acceptance.rs`).
+//! Every iteration solves the one-step problem, (T5) of the book, for (w1, p) exactly (`osnsp/`). An iteration is the
+//! last one when its correction is small, or when the error of the linearisation is (`acceptance.rs`).
 //!
 //! # Symbols
 //!

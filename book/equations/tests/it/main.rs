@@ -114,6 +114,41 @@ fn references_say_the_number() {
     assert!(count > 3, "{count} references");
 }
 
+/// `(T3) of the book` in a source is an equation of the book.
+#[test]
+fn sources_refer_to_equations_that_are_there() {
+    fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).expect("the folder is there").map(|entry| entry.expect("readable").path()) {
+            if entry.is_dir() {
+                sources(&entry, found);
+            } else if entry.extension().is_some_and(|end| end == "rs") {
+                found.push(entry);
+            }
+        }
+    }
+    let numbers: BTreeSet<String> = with_equations().into_values().flatten().map(|equation| equation.number).collect();
+    let crates = book().join("../../crates");
+    let mut files = Vec::new();
+    for one in fs::read_dir(crates).expect("crates").map(|entry| entry.expect("readable").path().join("src")) {
+        if one.is_dir() {
+            sources(&one, &mut files);
+        }
+    }
+    let mut named = BTreeSet::new();
+    for file in files {
+        let text = fs::read_to_string(&file).expect("a source in UTF-8");
+        // A line of a comment may end between the words.
+        let text =
+            text.split_whitespace().filter(|word| *word != "//!" && *word != "///").collect::<Vec<_>>().join(" ");
+        for (before, _) in text.match_indices(") of the book").map(|(at, _)| text.split_at(at)) {
+            let number = before.rsplit('(').next().unwrap_or_default();
+            assert!(numbers.contains(number), "{}: ({number}) is no equation of the book", file.display());
+            named.insert(number.to_owned());
+        }
+    }
+    assert!((1..=5).all(|n| named.contains(&format!("T{n}"))) && named.len() > 12, "{named:?}");
+}
+
 /// Single letters of LaTeX without indices, words and functions.
 fn letters(latex: &str) -> BTreeSet<char> {
     let mut found = BTreeSet::new();

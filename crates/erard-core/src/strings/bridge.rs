@@ -3,7 +3,7 @@
 //!
 //! **A mode has a direction.** Mode k displaces the bridge by d_k r_k with d_k = (1, c_k): it moves the strings' ends
 //! horizontally by c_k per metre of vertical motion, as a bridge does that rocks on the bending board and pins that
-//! stand askew. The admittance is
+//! stand askew. The admittance is, (S5) of the book,
 //!
 //! ```text
 //! Y(omega) = sum i omega d_k d_k^T / (M_k (omega_k^2 - omega^2 + i eta_k omega_k omega))
@@ -21,8 +21,8 @@
 //! ```
 //!
 //! so that mode n feels the force b_n w, and the bridge F_b = S - K w with S = sum b_n q_n and K = sum b_n beta_n +
-//! T/L: what acts one way acts the other way with the same number. The bridge's own modes are oscillators with M_k
-//! r_k'' + ... = d_k . F_b and w = sum d_k r_k.
+//! T/L, (S3) of the book: what acts one way acts the other way with the same number. The bridge's own modes are
+//! oscillators with M_k r_k'' + ... = d_k . F_b and w = sum d_k r_k.
 //!
 //! **A step.** The strings' modes move exactly under the mean w of the step's two ends, those of the bridge exactly
 //! under the mean F_b. The work that the one does, w . (S1 - S0), and that of the other, F_b . (w1 - w0), add up to

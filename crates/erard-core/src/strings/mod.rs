@@ -1,7 +1,7 @@
 //! Modal strings: stiff strings in their modes, each stepped exactly, under the hammer's felt.
 //!
 //! **A string** of length L, mass per length mu, tension T and bending stiffness EI on two rigid supports has the
-//! modes sin(n pi x / L) with the mass m = mu L / 2 and
+//! modes sin(n pi x / L) with the mass m = mu L / 2 and, (S1) of the book,
 //!
 //! ```text
 //! omega_n = 2 pi n f0 sqrt(1 + B n^2),   f0 = sqrt(T/mu) / (2 L),   B = pi^2 EI / (T L^2)
@@ -19,9 +19,9 @@
 //! ```
 //!
 //! at every length of step: nothing can become unstable. The felt needs two numbers of the string: its position without
-//! the felt's force, u_free, and its displacement per newton by the step's end, A = sum of sin^2 (1 - P_11) / (m
-//! omega^2), without losses sin^2 (1 - cos(omega h)) / (m omega^2). The work of F on the modes is exactly F times the
-//! displacement of the struck point, so that no energy is gained or lost between felt and string
+//! the felt's force, u_free, and its displacement per newton by the step's end, (S2) of the book, A = sum of sin^2 (1 -
+//! P_11) / (m omega^2), without losses sin^2 (1 - cos(omega h)) / (m omega^2). The work of F on the modes is exactly F
+//! times the displacement of the struck point, so that no energy is gained or lost between felt and string
 //! (`crates/moreau/README.md`, "Compliant surfaces").
 //!
 //! **Which modes are stepped** does not depend on the step: those below 20 kHz, and 32 a string at least. The others

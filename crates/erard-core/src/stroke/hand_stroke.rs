@@ -3,7 +3,7 @@
 //! The built-in touches ([`HandStroke::pressed`], [`HandStroke::struck`]) have one parameter that sets their loudness;
 //! [`crate::level`] finds it for a hammer speed. Goebl, Bresin and Galembo (J. Acoust. Soc. Am. 118 (2005) 1154)
 //! distinguish the two: in the *pressed* touch the finger first rests on the key, in the *struck* one it arrives with
-//! speed.
+//! speed. (H1) of the book:
 //!
 //! ```text
 //! pressed:  F(t) = A (1 - cos(pi t / T)) / 2, then A;   the hand at rest on the key at first

@@ -1,5 +1,5 @@
-//! Stulov's hereditary felt, F = k/(1 - eps) (u - z) with u = g^r and dz/dt = (eps u - z)/tau, clamped at zero. A.
-//! Stulov, *Hysteretic model of the grand piano hammer felt*, JASA 97 (1995) 2577-2585.
+//! Stulov's hereditary felt, F = k/(1 - eps) (u - z) with u = g^r and dz/dt = (eps u - z)/tau, clamped at zero: (C8) of
+//! the book. A. Stulov, *Hysteretic model of the grand piano hammer felt*, JASA 97 (1995) 2577-2585.
 //!
 //! A cold path: a mechanism without such felts pays nothing for it. `README.md`, "Felts with an internal state", has
 //! the derivation.

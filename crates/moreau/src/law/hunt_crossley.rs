@@ -1,5 +1,6 @@
-//! F = k g^r (1 + a dg/dt), clamped at zero. K. H. Hunt and F. R. E. Crossley, *Coefficient of restitution interpreted
-//! as damping in vibroimpact*, Journal of Applied Mechanics 42 (1975) 440-445. It is a rate part and nothing else.
+//! F = k g^r (1 + a dg/dt), clamped at zero: (C5) of the book. K. H. Hunt and F. R. E. Crossley, *Coefficient of
+//! restitution interpreted as damping in vibroimpact*, Journal of Applied Mechanics 42 (1975) 440-445. It is a rate
+//! part and nothing else.
 
 use super::hook::Law;
 use super::number::{LAW_NUMBERS, LawNumber, Range};

@@ -1,4 +1,4 @@
-//! The papers' law, F = k g^r + b g^2 dg/dt, clamped at zero. It is a rate part and nothing else.
+//! The papers' law, F = k g^r + b g^2 dg/dt, clamped at zero: (C2) of the book. It is a rate part and nothing else.
 
 use super::hook::Law;
 use super::number::{DAMPING, LAW_NUMBERS, LawNumber};

@@ -1,5 +1,5 @@
-//! F = k g^r (1 + eta Sign(dg/dt)), the sign set-valued at rest. A pressed felt that is held is locked: it does not
-//! give at all until its load changes by more than eta of it.
+//! F = k g^r (1 + eta Sign(dg/dt)), (C7) of the book, the sign set-valued at rest. A pressed felt that is held is
+//! locked: it does not give at all until its load changes by more than eta of it.
 //!
 //! The first factor is a rate part. The sign is a law of the one-step problem: `dry_felts.rs` gives the zone one along
 //! its row G with the bound h eta times that, as `laws.rs` gives a zone with Coulomb friction one along its slip row.
