@@ -237,6 +237,7 @@ impl Live {
             self.report.out_of_order += 1;
             return;
         }
+        let goes_back = time_s < self.now_s;
         self.now_s = self.now_s.max(time_s);
         self.after_bounces(give);
         match sample.of {
@@ -253,6 +254,8 @@ impl Live {
             }
             Of::Release(_) => self.report.uncalibrated += 1,
             Of::Key(number) => self.take_key(number, time_s, sample.value, give),
+            // Contacts have been taken to stay as they were until now: notes of an earlier edge would go back.
+            Of::Contact(..) if goes_back => self.report.out_of_order += 1,
             Of::Contact(number, contact) => self.take_edge(number, contact, time_s, sample.value > 0.0, give),
         }
     }

@@ -177,7 +177,7 @@ pub fn moving_svg(instrument: &Instrument, run: &Run, title: &str) -> String {
     }
     // A class for each way to move.
     let mut moving: Vec<(Carrier, String)> = Vec::new();
-    let carriers = drawing.pieces.iter().map(|piece| piece.carrier.clone());
+    let carriers = drawing.pieces.iter().map(|piece| piece.carrier);
     for carrier in carriers.chain(drawing.pins.iter().map(|body| Carrier::Body(*body))) {
         if carrier.body().is_none() || moving.iter().any(|(known, _)| *known == carrier) {
             continue;
@@ -205,7 +205,7 @@ pub fn moving_svg(instrument: &Instrument, run: &Run, title: &str) -> String {
     let mut style = String::new();
     let length = short(line.length_s);
     for (k, (_, keys)) in moving.iter().enumerate() {
-        let _ = write!(style, ".m{k}{{animation:m{k} {length}s linear infinite}}@keyframes m{k}{{{keys}}}\n");
+        let _ = writeln!(style, ".m{k}{{animation:m{k} {length}s linear infinite}}@keyframes m{k}{{{keys}}}");
     }
     for (n, (stage, [on, off])) in stages.iter().zip(&line.stages_s).enumerate() {
         let slower =
@@ -214,10 +214,10 @@ pub fn moving_svg(instrument: &Instrument, run: &Run, title: &str) -> String {
         picture.nodes.push(Words::node(format!("caption t{n}"), at, [], &format!("{title}{slower}")));
         let [on, off] = [on, off].map(|shown_s| line.percent(*shown_s));
         let hidden = if n == 0 { String::new() } else { format!("0%,{on}%{{opacity:0}}") };
-        let _ = write!(
+        let _ = writeln!(
             style,
             ".t{n}{{opacity:0;animation:t{n} {length}s step-end infinite}}@keyframes t{n}{{{hidden}{on}%{{opacity:1}}\
-             {off}%,to{{opacity:0}}}}\n"
+             {off}%,to{{opacity:0}}}}"
         );
     }
     style.push_str("@media (prefers-reduced-motion:reduce){*{animation:none!important}.t0{opacity:1}}");

@@ -99,11 +99,9 @@ fn plays_for(seconds: f64) {
         home().filter(|note| !note.faults().is_empty() && !note.reasons().iter().any(sounds)).collect();
     let is_twice = |note: &Played| note.faults() == [Fault::Twice];
     let bounces = |note: &Played| {
-        let before = performance
-            .notes
-            .iter()
-            .filter(|other| other.wanted.key == note.wanted.key && other.wanted.on_s < note.wanted.on_s);
-        before.last().is_some_and(|other| is_twice(other) && note.wanted.on_s - other.wanted.on_s < 0.2)
+        let mut all = performance.notes.iter();
+        let before = all.rfind(|other| other.wanted.key == note.wanted.key && other.wanted.on_s < note.wanted.on_s);
+        before.is_some_and(|other| is_twice(other) && note.wanted.on_s - other.wanted.on_s < 0.2)
     };
     let falls = |note: &&Played| note.reasons().contains(&Reason::NotChecked) && (is_twice(note) || bounces(note));
     assert!(others.iter().all(falls) && others.len() <= 1 + all.from_home / 500, "{others:?}");
