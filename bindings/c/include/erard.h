@@ -1252,8 +1252,8 @@ ErardStatus erard_board_until(struct ErardBoard *board, double time_s, uint8_t *
  * does: reads `count`, `depths_m` and the scan's numbers of `contacts`, and writes `off`, `point_count` and `points`.
  * Middle C of a keyboard is pressed, struck and re-struck, which takes some seconds. `keyboard` is the text of a
  * keyboard file (UTF-8, `length` bytes) whose base instrument is built in; NULL and 0 give the built-in concert grand.
- * Where two or three contacts lie too near to each other, or below the key's dip, it returns ERARD_STATUS_RANGE. Not on
- * a chip: a program there has the result as a constant. Real time: no.
+ * Where two or three contacts lie too near to each other, or below the key's dip, it returns ERARD_STATUS_RANGE. Not
+ * on a chip: a program there has the result as a constant. Real time: no.
  */
 ErardStatus erard_contacts_simulate(struct ErardContacts *contacts, const char *keyboard, size_t length);
 

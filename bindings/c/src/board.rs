@@ -15,8 +15,6 @@ use erard_live::stops::Seen;
 use erard_midi::message::{SOFT, SOSTENUTO, SUSTAIN};
 use erard_midi::{KEYS, Law, Message, ReleaseLaw, Resolution};
 
-use crate::board_contacts::ContactKeys;
-use crate::board_hammers::HammerKeys;
 use crate::board_keys::{BoardKey, Shared, make};
 use crate::caller_struct::{CallerStruct, Place, given, given_nth};
 use crate::outcome::ErardStatus;
@@ -632,9 +630,8 @@ pub extern "C" fn erard_board_bytes(key_count: u32) -> usize {
     List::<Shared, BoardKey>::bytes(key_count)
 }
 
-/// The alignment of every board's memory, bytes.
-const ALIGNMENT: usize =
-    larger(List::<Shared, BoardKey>::ALIGNMENT, larger(ContactKeys::ALIGNMENT, HammerKeys::ALIGNMENT));
+/// The alignment of every board's memory, bytes: that of no kind of keys is larger, which [`begin`] sees to.
+const ALIGNMENT: usize = List::<Shared, BoardKey>::ALIGNMENT;
 
 /// Returns the alignment of a board's memory, bytes: memory of malloc has it, and so has an array of double on every
 /// usual machine. Real time: yes.
@@ -656,6 +653,7 @@ pub(crate) unsafe fn begin<S, K>(
 where
     List<S, K>: Keys + 'static,
 {
+    const { assert!(List::<S, K>::ALIGNMENT <= ALIGNMENT) };
     if memory.is_null() {
         return Err(refused(ErardStatus::Null, "the memory"));
     }

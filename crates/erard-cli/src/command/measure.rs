@@ -24,15 +24,14 @@ use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::instruments::{load_instrument, load_instrument_and_text};
 use crate::measure::figures::{Drawn, figures};
+use crate::measure::headlines::{READ_AGAIN, STAYS_OUT};
 use crate::measure::rows::{self, MeasuredRow};
 use crate::measure::{Measured, doubts, headlines, page, table};
 use crate::number::whole;
 use crate::paper::PageHeader;
 use crate::print_line;
 use crate::session::Session;
-use crate::sheet::{
-    self, AdvisedInstrument, ORDER, READ_AGAIN, STAYS_OUT, before_and_after, beyond, in_the_end, left, tasks,
-};
+use crate::sheet::{self, AdvisedInstrument, ORDER, before_and_after, beyond, in_the_end, left, tasks};
 use crate::table::spaced;
 use crate::units::Lengths;
 use crate::warn;

@@ -5,7 +5,6 @@ use erard_workshop::measure::norms::lines;
 use serde_json::Value;
 
 use super::shown;
-use crate::sheet::{READ_AGAIN, STAYS_OUT};
 use crate::table::Table;
 use crate::units::Lengths;
 
@@ -92,6 +91,10 @@ pub(crate) fn of_several(answer: &Value, labels: &[&str], lengths: Lengths) -> V
     let heads = [""].into_iter().chain(labels.iter().copied());
     Table::of(heads, rows.chain([out])).lines()
 }
+
+/// Heading of a line that stays out of its range, and of one that is read again, because the list cannot know it.
+pub(crate) const STAYS_OUT: &str = "Stays out";
+pub(crate) const READ_AGAIN: &str = "Read again";
 
 /// The first lines of a technician's sheet: what is out, and what to do.
 pub(crate) fn of_sheet(answer: &Value) -> Vec<String> {

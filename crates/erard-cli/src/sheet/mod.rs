@@ -6,10 +6,11 @@ mod words;
 
 pub(crate) use advised::{AdvisedInstrument, Task};
 pub(crate) use page::html;
-pub(crate) use words::{ORDER, READ_AGAIN, STAYS_OUT, beyond, in_the_end, left, tasks};
+pub(crate) use words::{ORDER, beyond, in_the_end, left, tasks};
 
 use erard_workshop::worklist::ReadingQuantity;
 
+use crate::measure::headlines::{READ_AGAIN, STAYS_OUT};
 use crate::table::Table;
 use crate::units::Lengths;
 use words::{name, reading, readings};

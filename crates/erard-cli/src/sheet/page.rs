@@ -6,7 +6,8 @@ use erard_workshop::regulate::{CAPSTAN_THREAD_M, SMALL_THREAD_M};
 use erard_workshop::worklist::ReadingQuantity;
 use maud::{Markup, html};
 
-use super::{AdvisedInstrument, ORDER, READ_AGAIN, STAYS_OUT, beyond, in_the_end, left, tasks};
+use super::{AdvisedInstrument, ORDER, beyond, in_the_end, left, tasks};
+use crate::measure::headlines::{READ_AGAIN, STAYS_OUT};
 use crate::measure::{shown, usual};
 use crate::paper::{page, picture};
 use crate::table::Table;

@@ -5,6 +5,7 @@ use erard_workshop::regulate::{Handwork, known_screw, turns_text};
 use erard_workshop::worklist::{Item, Left, ReadingQuantity, Readings, Why, Work, Worklist};
 
 use super::{AdvisedInstrument, Task};
+use crate::measure::headlines::READ_AGAIN;
 use crate::table::decimal;
 use crate::units::Lengths;
 
@@ -34,10 +35,6 @@ pub(crate) struct LeftLine {
     pub(crate) quantity: ReadingQuantity,
     pub(crate) why: String,
 }
-
-/// Heading of a line that stays out of its range, and of one that is read again, because the list cannot know it.
-pub(crate) const STAYS_OUT: &str = "Stays out";
-pub(crate) const READ_AGAIN: &str = "Read again";
 
 /// What the list leaves under a heading.
 pub(crate) fn left(list: &Worklist, heading: &str, lengths: Lengths) -> Vec<LeftLine> {
@@ -289,7 +286,7 @@ mod tests {
         let said = |heading: &str| -> Vec<String> {
             left(&list, heading, Lengths::default()).into_iter().map(|line| line.why).collect()
         };
-        let [again, out] = [READ_AGAIN, STAYS_OUT].map(said);
+        let [again, out] = [READ_AGAIN, crate::measure::headlines::STAYS_OUT].map(said);
         assert_eq!((again.len(), out.len()), (2, 1), "{again:?} {out:?}");
         assert!(again[0].starts_with("drop, perhaps 2.7 mm: other lines change it"), "{again:?}");
         assert!(again[1].starts_with("aftertouch: it cannot be known before"), "{again:?}");

@@ -264,7 +264,7 @@ mod tests {
         assert!(shown.windows(2).all(|pair| pair[0].to_s <= pair[1].from_s), "{shown:?}");
         let svg = moving_svg(&instrument, &held, "<a> & b");
         for sign in
-            ["@keyframes m0{0%{", "@keyframes t2{", "prefers-reduced-motion", "80 times slower", "&lt;a> &amp; b"]
+            ["@keyframes m0{0%{", "@keyframes t2{", "prefers-reduced-motion", "80 times slower", "&lt;a&gt; &amp; b"]
         {
             assert!(svg.contains(sign), "{sign}");
         }
