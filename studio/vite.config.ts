@@ -61,12 +61,16 @@ const studio = (): Plugin => ({
       answer.end(built("engine.bin"));
     });
   },
-  generateBundle(_, bundle) {
-    this.emitFile({ type: "asset", fileName: "engine.bin", source: built("engine.bin") });
-    const files = ["./", "tools.html", "action.html", "engine.bin", "icon.svg", "studio.webmanifest", ...Object.keys(bundle).filter((name) => !name.endsWith(".html") && name !== "engine.bin")];
-    const version = createHash("sha256").update(built("engine.bin")).update(Object.keys(bundle).join()).update(built("picture.svg")).update(built("pictures.json")).update(page("index.html")).update(page("tools.html")).update(page("action.html")).digest("hex").slice(0, 16);
-    const source = readFileSync(new URL("./src/sw.js", import.meta.url), "utf8").replace("/*version*/", version).replace("/*files*/", files.map((name) => JSON.stringify(name)).join(", "));
-    this.emitFile({ type: "asset", fileName: "sw.js", source });
+  // After the pages have taken in the scripts that only load another one: those files do not exist.
+  generateBundle: {
+    order: "post",
+    handler(_, bundle) {
+      this.emitFile({ type: "asset", fileName: "engine.bin", source: built("engine.bin") });
+      const files = ["./", "tools.html", "action.html", "engine.bin", "icon.svg", "studio.webmanifest", ...Object.keys(bundle).filter((name) => !name.endsWith(".html") && name !== "engine.bin")];
+      const version = createHash("sha256").update(built("engine.bin")).update(Object.keys(bundle).join()).update(built("picture.svg")).update(built("pictures.json")).update(page("index.html")).update(page("tools.html")).update(page("action.html")).digest("hex").slice(0, 16);
+      const source = readFileSync(new URL("./src/sw.js", import.meta.url), "utf8").replace("/*version*/", version).replace("/*files*/", files.map((name) => JSON.stringify(name)).join(", "));
+      this.emitFile({ type: "asset", fileName: "sw.js", source });
+    },
   },
 });
 
