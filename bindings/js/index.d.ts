@@ -59,7 +59,7 @@ export class Engine {
   readonly version: string;
   /** Every function of the C interface, for what these classes leave out. Addresses and sizes are numbers. */
   readonly raw: WebAssembly.Exports & { memory: WebAssembly.Memory };
-  /** Names of what is built in. */
+  /** The names of the built-in instruments and keyboards. */
   names(): { instruments: string[]; keyboards: string[] };
   /** A built-in instrument; with `key` (1 to 88), that key of a built-in keyboard. */
   instrument(name?: string, key?: number): Instrument;
