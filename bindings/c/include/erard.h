@@ -1634,8 +1634,9 @@ char *erard_stroke_run_csv(const struct ErardInstrument *instrument,
 ErardStatus erard_stroke_rewind(struct ErardStroke *stroke);
 
 /**
- * Takes one step of an action under the stroke's next input. From an action at rest, the results have the same bits as
- * `erard press`. `reading` may be NULL. An error leaves action and stroke as they were. Real time: no.
+ * Takes one step of an action under the stroke's next input. From an action at rest, the positions and angles have the
+ * same bits as those of `erard press`; the forces are this step's, where a row of `erard press` has the mean of the
+ * steps before and after it. `reading` may be NULL. An error leaves action and stroke as they were. Real time: no.
  */
 ErardStatus erard_action_step_stroke(struct ErardAction *action,
                                      struct ErardStroke *stroke,

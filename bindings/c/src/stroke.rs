@@ -200,8 +200,9 @@ pub unsafe extern "C" fn erard_stroke_rewind(stroke: *mut ErardStroke) -> ErardS
     })
 }
 
-/// Takes one step of an action under the stroke's next input. From an action at rest, the results have the same bits as
-/// `erard press`. `reading` may be NULL. An error leaves action and stroke as they were. Real time: no.
+/// Takes one step of an action under the stroke's next input. From an action at rest, the positions and angles have the
+/// same bits as those of `erard press`; the forces are this step's, where a row of `erard press` has the mean of the
+/// steps before and after it. `reading` may be NULL. An error leaves action and stroke as they were. Real time: no.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn erard_action_step_stroke(
     action: *mut ErardAction,
