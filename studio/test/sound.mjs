@@ -6,7 +6,8 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { assert, goal, percentile, until } from "./help.mjs";
 
-const FULL_SCALE_N = 150;
+/** Full scale of the command's sounds, N, in its source: the page's is compared with it, sample by sample. */
+const FULL_SCALE_N = Number(/FULL_SCALE_N: f64 = ([0-9.]+);/.exec(readFileSync(new URL("../../crates/erard-cli/src/wav.rs", import.meta.url), "utf8"))[1]);
 /** Steps by which the processor's samples are late. */
 const LATE = 8;
 /** The force on the bridge of a run of the command less that at rest, N, row by row. */

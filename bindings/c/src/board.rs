@@ -200,11 +200,6 @@ unsafe impl CallerStruct for ErardBoardKey {
     const FIRST_BYTES: usize = 64;
 }
 
-// A smaller struct would break the rule that fields are only added.
-const _: () = assert!(size_of::<ErardBoardSetup>() >= ErardBoardSetup::FIRST_BYTES);
-const _: () = assert!(size_of::<ErardStops>() >= ErardStops::FIRST_BYTES);
-const _: () = assert!(size_of::<ErardBoardKey>() >= ErardBoardKey::FIRST_BYTES);
-
 /// Keys with sensors, in memory of the caller. One thread at a time may use it. It must stay where it was made.
 pub struct ErardBoard {
     pub(crate) voice: Voice<'static>,

@@ -16,6 +16,8 @@ const ALIGNMENT: usize = 8;
 pub(crate) unsafe trait CallerStruct: Copy + Default {
     /// Size in the first header that declared the struct, bytes.
     const FIRST_BYTES: usize;
+    /// Does not compile if the struct is smaller now: fields are only added.
+    const KEEPS_FIRST_BYTES: () = assert!(size_of::<Self>() >= Self::FIRST_BYTES);
 
     /// Returns the struct with its size; every other number is 0.
     fn zeroed() -> Self {
@@ -35,6 +37,7 @@ pub(crate) unsafe trait CallerStruct: Copy + Default {
 /// `at` is not NULL; it is aligned and begins with an initialised size.
 #[inline]
 unsafe fn stated_bytes<T: CallerStruct>(at: *const T) -> Result<usize, ErardStatus> {
+    let () = T::KEEPS_FIRST_BYTES;
     // SAFETY: `at` is not NULL; it is aligned and begins with an initialised u32 (the contract of this function).
     let bytes = unsafe { at.cast::<u32>().read() } as usize;
     if bytes < T::FIRST_BYTES || bytes > MAX_BYTES || !bytes.is_multiple_of(ALIGNMENT) {

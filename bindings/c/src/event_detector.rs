@@ -72,8 +72,6 @@ unsafe impl CallerStruct for ErardEvents {
     const FIRST_BYTES: usize = 80;
 }
 
-const _: () = assert!(size_of::<ErardEvents>() >= ErardEvents::FIRST_BYTES);
-
 /// Makes an event detector for one press on an action of this instrument. Returns NULL if the instrument is NULL. Real
 /// time: no.
 #[unsafe(no_mangle)]
