@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::instruments::LoadedInstrument;
 use crate::print_line;
 use crate::session::Session;
-use crate::suggest::meant;
+use crate::suggest::{near, quoted};
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pins_at, pose_picture};
 
 /// Draws the action in one pose, as SVG and PNG.
@@ -73,7 +73,9 @@ fn parse_at(text: &str) -> Result<At, String> {
     }
     EVENTS.into_iter().find(|(name, _)| *name == text).map(At::Event).ok_or_else(|| {
         let names = EVENTS.map(|(name, _)| name);
-        format!("expected a number of milliseconds, or one of {}{}", names.join(", "), meant(text, names))
+        let near = near(text, names);
+        let meant = if near.is_empty() { String::new() } else { format!("; did you mean {}?", quoted(&near)) };
+        format!("expected a number of milliseconds, or one of {}{meant}", names.join(", "))
     })
 }
 
