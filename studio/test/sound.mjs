@@ -91,7 +91,7 @@ export const offline = async ({ visit }) => {
 /** By its own button: heard, measured, and silent again. */
 export const live = async ({ visit }) => {
   const page = await visit("#tab=keyboard&keys=concert-grand-strings");
-  const ready = () => until(page, () => /real time|cost nothing/.test(document.getElementById("keys-said").textContent), undefined, 120_000);
+  const ready = () => until(page, () => /real time|nothing is computed/.test(document.getElementById("keys-said").textContent), undefined, 120_000);
   await ready();
   await page.click("#sound");
   await until(page, () => document.getElementById("sound").getAttribute("aria-pressed") === "true" && document.getElementById("sound-said").textContent.startsWith("Heard"), undefined, 120_000);
@@ -117,7 +117,7 @@ export const live = async ({ visit }) => {
 /** Blocks of 128 samples of so many fingers that play fortissimo, beside their time. */
 export const blocks = async ({ visit }) => {
   const page = await visit("#tab=keyboard&keys=concert-grand-strings");
-  await until(page, () => /real time|cost nothing/.test(document.getElementById("keys-said").textContent), undefined, 120_000);
+  await until(page, () => /real time|nothing is computed/.test(document.getElementById("keys-said").textContent), undefined, 120_000);
   const cost = (fingers) => page.evaluate(async (fingers) => {
     const url = performance.getEntriesByType("resource").map(({ name }) => name).find((name) => name.includes("keys.worker"));
     const worker = new Worker(url, { type: "module" });

@@ -8,6 +8,8 @@ const ROOT = new URL("../../", import.meta.url);
 const text = (path) => readFile(new URL(path, ROOT), "utf8");
 const json = async (name) => JSON.parse(await text(`studio/terms/${name}.json`));
 const TAGS = ["de", "fr"];
+/** What the engine names in words of everyday language. */
+const PLAIN = new Set(["quantity.assist_g", "quantity.measured_at_mm", "part.finger"]);
 const sorted = (names) => [...new Set(names)].sort();
 
 /** Files of terms against each other, against the page's own text and against the book's table. */
@@ -25,6 +27,8 @@ const files = async () => {
     for (const [name, source] of Object.entries(sources)) assert.match(source, /^.+, .+, (\d{4}|no year), https?:\/\/\S+$/, `${tag}: ${name}`);
     for (const [key, [said, ...of]] of Object.entries(labels)) {
       assert(said, `${tag}: ${key}`);
+      // What the engine names is a term, and says its source by the words that it is made of.
+      if (/^(quantity|cause|screw|zone|part)\.(?!numbers)/.test(key)) assert(of.length > 0 || PLAIN.has(key), `${tag}: ${key} names no word of the list`);
       // A label uses the words of the trade as they stand in the list, whatever its grammar does to them.
       for (const word of of) {
         assert(word in words, `${tag}: ${key} names a word that is not in the list: ${word}`);

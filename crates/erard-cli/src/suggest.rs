@@ -23,6 +23,8 @@ pub(crate) const GROUPS: [(&str, &[&str]); 5] = [
 const SIMILAR: f64 = 0.84;
 /// At most so many.
 const MOST: usize = 3;
+/// Words of those who want to cite a result.
+const CITING: [&str; 5] = ["cite", "citation", "citing", "bibtex", "reference"];
 /// Words for pianos that are no grands.
 const UPRIGHTS: [&str; 5] = ["upright", "pianino", "klavier", "piano-droit", "vertical"];
 
@@ -68,6 +70,9 @@ pub(crate) fn quoted(names: &[&str]) -> String {
 pub(crate) fn what_it_is(name: &str) -> Option<String> {
     let name = name.trim();
     let lower = name.to_lowercase();
+    if CITING.contains(&lower.as_str()) {
+        return Some("--bibtex with any command prints a BibTeX entry that cites its answer".to_owned());
+    }
     if UPRIGHTS.iter().any(|word| lower.contains(word)) {
         return Some("Erard has grands only so far: an upright's hammer returns by springs".to_owned());
     }
@@ -122,15 +127,26 @@ pub(crate) fn complete(error: &mut clap::Error, definition: &clap::Command) {
         ErrorKind::UnknownArgument => (ContextKind::InvalidArg, ContextKind::SuggestedArg),
         _ => return,
     };
-    let has_tip = error.get(known).is_some();
-    let Some(ContextValue::String(found)) = error.get(invalid).filter(|_| !has_tip) else { return };
+    let Some(ContextValue::String(found)) = error.get(invalid).cloned() else { return };
+    // What a word is goes before a name that is only spelt like it.
+    let is_word = CITING.contains(&found.as_str());
+    if is_word {
+        error.remove(known);
+    }
+    if error.get(known).is_some() {
+        return;
+    }
+    let of_readings = error.get(ContextKind::Usage).is_some_and(|usage| usage.to_string().contains("erard diagnose"));
     let tip = match found.strip_prefix("--") {
         Some(option) => {
             let has = |one: &&clap::Command| one.get_arguments().any(|arg| arg.get_long() == Some(option));
             let commands: Vec<&str> = definition.get_subcommands().filter(has).map(clap::Command::get_name).collect();
             (!commands.is_empty()).then(|| format!("`{found}` is an option of {}", quoted(&commands)))
         }
-        None => what_it_is(found),
+        None if of_readings && found.parse::<f64>().is_ok() => {
+            Some("readings are options: --down-weight 58 --up-weight 18".to_owned())
+        }
+        None => what_it_is(&found),
     };
     if let Some(tip) = tip {
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));

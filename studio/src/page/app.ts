@@ -246,6 +246,7 @@ export class App {
     const setting = action ? this.state.b : this.state.a;
     const began = setting?.turns[dial.name] ?? dial.value;
     let last = began;
+    this.apart();
     return (x_mm, y_mm) => {
       if (last === began) this.onchoose({ action, part });
       const value = Math.min(Math.max(began + along[0] * x_mm + along[1] * y_mm, dial.from), dial.to);
@@ -548,6 +549,11 @@ export class App {
   }
   private gesture: string | null = null;
 
+  /** Ends a gesture: what follows is undone by itself. */
+  apart(): void {
+    this.gesture = null;
+  }
+
   async undo(): Promise<void> {
     const to = this.past.pop();
     if (!to) return;
@@ -563,7 +569,7 @@ export class App {
   }
 
   private async goTo({ a, b }: State): Promise<void> {
-    this.gesture = null;
+    this.apart();
     this.state = { ...this.state, a, b };
     this.remember();
     await this.reload();

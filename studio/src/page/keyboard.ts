@@ -225,7 +225,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     if (data.steps > 0) app.keysTiming.push([data.cost_ms, data.steps, data.awake]);
     if (app.keysTiming.length > 5000) app.keysTiming.splice(0, 2500);
     const load = data.steps ? (data.cost_ms / (1e3 * data.steps * step_s)) * 100 : 0;
-    told.textContent = data.awake ? `${data.awake} ${data.awake === 1 ? "key" : "keys"} awake, ${fixed(load, 0)} % of real time${late_s > 0.05 ? `; ${fixed(late_s, 1)} s were left out, for this machine was busy` : ""}` : held.size ? `${held.size} ${held.size === 1 ? "key is" : "keys are"} held, and still: nothing is computed.` : "All keys rest, and cost nothing.";
+    told.textContent = data.awake ? `${data.awake} ${data.awake === 1 ? "key" : "keys"} awake, ${fixed(load, 0)} % of real time${late_s > 0.05 ? `; ${fixed(late_s, 1)} s were left out: this machine was busy` : ""}` : held.size ? `${held.size} ${held.size === 1 ? "key is" : "keys are"} held, and still: nothing is computed.` : "All keys rest: nothing is computed.";
     if (data.bridge_n.length) hear(data.bridge_n);
     if (data.sound) tell(data.sound);
     draw();

@@ -74,6 +74,14 @@ export class Dials {
       if (message === null) number.removeAttribute("aria-invalid");
       else number.setAttribute("aria-invalid", "true");
     };
+    // Undo takes back one thing: a drag of the slider, one typed value, one way back.
+    input.addEventListener("pointerdown", () => this.app.apart());
+    const turnApart = (value: number | null) => {
+      this.app.apart();
+      const turned = value === null ? this.app.turn(this.which, dial.name, null) : turn(value);
+      this.app.apart();
+      return turned;
+    };
     input.addEventListener("input", () => {
       point(null);
       const value = Number(Number(input.value).toFixed(dial.decimals + 1));
@@ -89,7 +97,7 @@ export class Dials {
         if (number.value !== typed) return;
         point(null);
         number.value = text(dial, value);
-        await turn(value);
+        await turnApart(value);
       } catch (error) {
         if (error instanceof Dropped || number.value !== typed) return;
         point((error as Error).message);
@@ -98,7 +106,7 @@ export class Dials {
     });
     back.addEventListener("click", () => {
       point(null);
-      void this.app.turn(this.which, dial.name, null);
+      void turnApart(null);
     });
     this.rows.set(dial.name, { input, number, back, dial });
     return h("div", { class: "dial", title: dial.note }, named(h("span", { class: "name" }), term, dial.label), input, h("span", { class: "value" }, number, h("span", { class: "unit" }, dial.unit === "x" ? "\u00d7" : dial.unit)), back, wrong);
@@ -223,12 +231,22 @@ const byName = (app: App): HTMLElement => {
   return h("details", { id: "any" }, named(h("summary"), "screws.any"), form);
 };
 
+/** Turns of a thread in eighths, as the command prints them: `3/8 turn`. */
+const inEighths = (turns: number): string => {
+  const eighths = Math.round(8 * Math.abs(turns));
+  if (eighths < 1) return "less than 1/8 turn";
+  const part = ["", "1/8", "1/4", "3/8", "1/2", "5/8", "3/4", "7/8"][eighths % 8]!, whole = Math.floor(eighths / 8);
+  return `${[whole || "", part].filter((one) => one !== "").join(" ")} turn${eighths > 8 ? "s" : ""}`;
+};
+
 /** The log of a regulation. */
 const told = (done: Regulated, dials: Dial[]): HTMLElement[] => {
-  const label = (screw: string) => dials.find(({ name }) => name === screw)?.label ?? screw.replaceAll("_", " ");
   const turns = done.screws.map(({ screw, unit, from, to, turned_by, turns: threads, way }) => {
-    const by = threads === null ? "" : `, about ${fixed(Math.abs(threads), 2)} turns`;
-    return h("li", {}, `${label(screw)}: ${fixed(from, 2)} to ${fixed(to, 2)} ${unit}, ${way} by ${fixed(Math.abs(turned_by), 2)} ${unit}${by}`);
+    const dial = dials.find(({ name }) => name === screw);
+    // As the panel beside it shows the screw: from where the file has it.
+    const place = (value: number) => (dial ? text(dial, value) : fixed(value, 2)).replace("-", "\u2212");
+    const by = threads === null ? "" : `, ${inEighths(threads)}`;
+    return h("li", {}, `${dial?.label ?? screw.replaceAll("_", " ")}: ${place(from)} to ${place(to)} ${unit}, ${way} by ${fixed(Math.abs(turned_by), 2)} ${unit}${by}`);
   });
   const missed = done.goals.filter(({ met }) => !met).map(({ goal, asked, after, unit, why_not }) => h("li", { class: "bad" }, `${goal}: asked ${fixed(asked, 2)} ${unit}, there is ${fixed(after, 2)} ${unit}${why_not ? `: ${why_not}` : ""}`));
   return [

@@ -122,9 +122,13 @@ export class Sheet {
       row.classList.toggle("waiting", !known);
       now.textContent = known ? `${fixed(value, line.decimals)} ${line.unit}`.trim() : "\u2026";
       const [low, high] = line.usual;
-      const out = known && ((value === null && (low !== null || high !== null)) || (value !== null && value !== undefined && ((low !== null && value < low - 1e-9) || (high !== null && value > high + 1e-9))));
-      now.classList.toggle("out", out);
-      if (out) now.append(" ", named(h("span", { class: "flag" }), value === null ? "sheet.none" : value! < (low ?? -Infinity) ? "sheet.low" : "sheet.high"));
+      // Values and ends are compared as they are read, as in the command: digits that nobody sees raise no flag.
+      const read = (x: number) => Number(x.toFixed(line.decimals));
+      const isLow = typeof value === "number" && low !== null && read(value) < read(low), isHigh = typeof value === "number" && high !== null && read(value) > read(high);
+      const isMissing = known && value === null && (low !== null || high !== null);
+      const flag = isMissing ? "sheet.none" : isLow ? "sheet.low" : isHigh ? "sheet.high" : null;
+      now.classList.toggle("out", flag !== null);
+      if (flag) now.append(" ", named(h("span", { class: "flag" }), flag));
       if (low !== null && high !== null && value !== null && value !== undefined) {
         const share = Math.min(Math.max((value - low) / (high - low), -0.5), 1.5);
         mark.style.insetInlineStart = `${25 + 50 * share}%`;

@@ -53,6 +53,12 @@ fn every_equation_is_typeset() {
             // A blank line would end the block of HTML.
             assert!(!html.contains('\n'), "{name}, ({})", equation.number);
             assert!(is_balanced(&html), "{name}, ({}): {html}", equation.number);
+            // To a browser a cell of an operator and words is one operator, and the words touch it.
+            let quantity = ["<mi", "<mn", "<mfrac", "<msub", "<msup", "<munder", "<mover", "<msqrt"];
+            let cells = html.split("<mtd").skip(1).filter_map(|cell| cell.split("</mtd>").next());
+            for cell in cells.filter(|cell| cell.contains("<mo") && cell.contains("<mtext")) {
+                assert!(quantity.iter().any(|tag| cell.contains(tag)), "{name}, ({}): {cell}", equation.number);
+            }
         }
     }
 }

@@ -29,7 +29,7 @@ use crate::number::{Values, between, list};
 use crate::output::Output;
 use crate::print_line;
 use crate::session::Session;
-use crate::table::{Table, decimal, spaced};
+use crate::table::{Table, decimal, many, spaced};
 
 /// Headers of a ruler's table and of a maker's own table of contacts.
 pub(super) const RULER_HEAD: &str = "raw,mm";
@@ -276,7 +276,7 @@ impl Calibrate {
     }
 
     fn tell(&self, session: &mut Session, found: &BTreeMap<usize, Found>) {
-        print_line!(session, "{} - {} keys", shown(self.readings()), found.len());
+        print_line!(session, "{} - {}", shown(self.readings()), many(found.len(), "key"));
         let rows: Vec<Vec<String>> = found
             .iter()
             .map(|(key, one)| {
@@ -332,24 +332,17 @@ pub(super) fn own_speeds(session: &mut Session, path: &Path) -> Result<SpeedTabl
 fn tell_contacts(session: &mut Session, law: &ContactLaw, keyboard: &str, best: Option<([f64; 2], f64)>) {
     print_line!(session, "{} contacts on key {PRESSED_KEY} of {keyboard}, pressed, struck and re-struck", law.count);
     for (upper, table) in law.tables().iter().enumerate() {
-        // Every second one of many.
-        let every = table.points().len().div_ceil(13);
-        let rows = table.points().iter().step_by(every).map(|point| {
-            vec![
-                decimal(Some(1e3 * point.between_s), 2),
-                decimal(Some(point.hammer_speed_m_per_s), 3),
-                decimal(Some(Law::GOEBL.velocity(point.hammer_speed_m_per_s).counts()), 1),
-                decimal(Some(1e3 * point.delay_s), 2),
-                decimal(Some(point.touch_counts), 1),
-                decimal(Some(table.time_counts(point.between_s, law.period_s)), 1),
-            ]
-        });
-        let heads = ["between, ms", "hammer, m/s", "velocity", "impact after, ms", "touch, counts", "time, counts"];
-        print_line!(session);
-        print_line!(session, "contact {} to {}", upper + 1, law.count);
-        print_line!(session, "{}", Table::of(heads, rows.collect::<Vec<_>>()));
+        let ends = table.points().first().zip(table.points().last());
+        let ends = ends.map(|(fast, slow)| [fast, slow].map(|one| (1e3 * one.between_s, one.hammer_speed_m_per_s)));
+        if let Some([(fast_ms, fast), (slow_ms, slow)]) = ends {
+            print_line!(
+                session,
+                "Contact {} to {}: from {fast_ms:.2} ms, hammer {fast:.2} m/s, to {slow_ms:.2} ms, {slow:.2} m/s.",
+                upper + 1,
+                law.count
+            );
+        }
     }
-    print_line!(session, "A note ends as contact {} opens.", law.off + 1);
     let own = error_counts(&law.tables[0], law.period_s);
     print_line!(
         session,
@@ -363,6 +356,25 @@ fn tell_contacts(session: &mut Session, law: &ContactLaw, keyboard: &str, best: 
             _ => format!("Errors are {own:.1} counts rms."),
         }
     );
+    print_line!(session, "A note ends as contact {} opens.", law.off + 1);
+    session.printer.begin_rest("the hammer speeds between contacts, with their errors");
+    for (upper, table) in law.tables().iter().enumerate() {
+        // Every second one of many.
+        let every = table.points().len().div_ceil(13);
+        let rows = table.points().iter().step_by(every).map(|point| {
+            vec![
+                decimal(Some(1e3 * point.between_s), 2),
+                decimal(Some(point.hammer_speed_m_per_s), 3),
+                decimal(Some(Law::GOEBL.velocity(point.hammer_speed_m_per_s).counts()), 1),
+                decimal(Some(1e3 * point.delay_s), 2),
+                decimal(Some(point.touch_counts), 1),
+                decimal(Some(table.time_counts(point.between_s, law.period_s)), 1),
+            ]
+        });
+        let heads = ["between, ms", "hammer, m/s", "velocity", "impact after, ms", "touch, counts", "time, counts"];
+        print_line!(session, "contact {} to {}", upper + 1, law.count);
+        print_line!(session, "{}", Table::of(heads, rows.collect::<Vec<_>>()));
+    }
 }
 
 fn contacts_answer(law: &ContactLaw, best: Option<([f64; 2], f64)>) -> Result<Answer, Failure> {

@@ -19,6 +19,7 @@ use crate::inputs::shown;
 use crate::law_points::law_points;
 use crate::print_line;
 use crate::session::Session;
+use crate::table::many;
 
 /// A stream or a law, by the first line of a table; `None` for another table.
 pub(super) fn table(session: &mut Session, path: &Path, beginning: &str) -> Result<Option<Value>, Failure> {
@@ -99,7 +100,7 @@ fn stream(
     // To a microsecond.
     let [from_s, to_s] = ends_s.unwrap_or_default().map(|s| (1e6 * s).round() / 1e6);
     let span = if rows.is_some() { "without times".to_owned() } else { format!("{from_s} to {to_s} s") };
-    print_line!(session, "  {samples} samples of {} keys, {span}", keys.len());
+    print_line!(session, "  {} of {}, {span}", many(samples, "sample"), many(keys.len(), "key"));
     if let Some((line, fault)) = malformed.first() {
         print_line!(session, "  {} lines are no samples; the first, line {line}: {fault}", malformed.len());
     }
@@ -113,11 +114,11 @@ pub(super) fn profile(session: &mut Session, name: &str, text: &str) -> Result<V
     let keys = profile.keys.len();
     let (what, count) = match &profile.sensed {
         Sensed::Contacts(law) => (format!("{} contacts a key", law.count), ("contacts", law.count)),
-        Sensed::Hammers(None) => (format!("{keys} hammers, without a sensor of releases"), ("keys", keys)),
+        Sensed::Hammers(None) => (format!("{}, without a sensor of releases", many(keys, "hammer")), ("keys", keys)),
         Sensed::Hammers(Some((_, second))) => {
-            (format!("{keys} hammers, {} with a sensor of releases", second.len()), ("keys", keys))
+            (format!("{}, {} with a sensor of releases", many(keys, "hammer"), second.len()), ("keys", keys))
         }
-        Sensed::Keys => (format!("{keys} keys, {} mm", 1e3 * profile.travel_m), ("keys", keys)),
+        Sensed::Keys => (format!("{}, {} mm", many(keys, "key"), 1e3 * profile.travel_m), ("keys", keys)),
     };
     print_line!(session, "{name}: a profile of sensors, for `erard live --calibration {name}`");
     print_line!(session);
@@ -138,10 +139,10 @@ pub(super) fn piece(session: &mut Session, path: &Path) -> Result<Value, Failure
     print_line!(session);
     print_line!(
         session,
-        "  {} notes on {} keys, {} positions of pedals, {:.1} s",
-        piece.notes.len(),
-        keys.len(),
-        piece.pedals.len(),
+        "  {} on {}, {} of pedals, {:.1} s",
+        many(piece.notes.len(), "note"),
+        many(keys.len(), "key"),
+        many(piece.pedals.len(), "position"),
         piece.duration_s()
     );
     for remark in &score.remarks {

@@ -13,7 +13,9 @@ use super::press::play_observed;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::instruments::LoadedInstrument;
+use crate::print_line;
 use crate::session::Session;
+use crate::suggest::{near, quoted};
 use erard_figures::drawing::{PoseOptions, angles_at, forces_at, pins_at, pose_picture};
 
 /// Draws the action in one pose, as SVG and PNG.
@@ -71,7 +73,9 @@ fn parse_at(text: &str) -> Result<At, String> {
     }
     EVENTS.into_iter().find(|(name, _)| *name == text).map(At::Event).ok_or_else(|| {
         let names = EVENTS.map(|(name, _)| name);
-        format!("expected a number of milliseconds, or one of {}", names.join(", "))
+        let near = near(text, names);
+        let meant = if near.is_empty() { String::new() } else { format!("; did you mean {}?", quoted(&near)) };
+        format!("expected a number of milliseconds, or one of {}{meant}", names.join(", "))
     })
 }
 
@@ -98,25 +102,27 @@ impl Draw {
         if let Some(recorder) = inside.reactions {
             arrows.extend(pins_at(&instrument, &run, &recorder.into_series(), row));
         }
+        let caption = if row == 0 {
+            format!("{}, at rest", run.instrument)
+        } else {
+            let ms = (run.time_s[row] - stroke.start_s) * 1e3;
+            let event = match self.at {
+                At::Ms(_) => String::new(),
+                At::Event((event, _)) => format!(", {}", event.replace('-', " ")),
+            };
+            format!("{}, {}, {ms:.1} ms{event}", run.instrument, stroke.title)
+        };
         let options = PoseOptions {
             labels: self.labels,
             arrows,
             changed,
-            caption: Some(if row == 0 {
-                format!("{}, at rest", run.instrument)
-            } else {
-                let ms = (run.time_s[row] - stroke.start_s) * 1e3;
-                let event = match self.at {
-                    At::Ms(_) => String::new(),
-                    At::Event((event, _)) => format!(", {}", event.replace('-', " ")),
-                };
-                format!("{}, {}, {ms:.1} ms{event}", run.instrument, stroke.title)
-            }),
+            caption: Some(caption.clone()),
             ..PoseOptions::default()
         };
         let picture = pose_picture(&instrument, &angles_at(&run, row), &options);
         output.picture(session, "action", &picture, 1.0)?;
         let written = output.commit(session)?;
+        print_line!(session, "{caption}");
         Ok(Answer::table(session, None).end(session, &written))
     }
 

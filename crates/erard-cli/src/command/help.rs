@@ -403,6 +403,8 @@ mod tests {
             (&["erard", "mf"], "--stroke mf"),
             (&["erard", "press", "--vary", "let_off=0"], "`--vary` is an option of `study`"),
             (&["erard", "pres"], "a similar subcommand exists: 'press'"),
+            (&["erard", "cite"], "--bibtex with any command"),
+            (&["erard", "diagnose", "58", "18"], "readings are options: --down-weight 58 --up-weight 18"),
             (&["erard", "press", "--instrumnt", "x"], "a similar argument exists: '--instrument'"),
         ] {
             let mut error = definition().try_get_matches_from(typed).expect_err("an error");

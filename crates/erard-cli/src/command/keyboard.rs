@@ -114,6 +114,8 @@ impl Keyboard {
         print_line!(session, "2: {}", sides[1].name);
         print_line!(session, "88 keys each, {} of them weighed", sides[0].weighed.len());
         print_line!(session);
+        pair::headlines(&sides).into_iter().for_each(|line| print_line!(session, "{line}"));
+        session.printer.begin_rest("a table of keys from bass to treble");
         print_line!(session, "{}", pair::text(&sides).trim_end_matches('\n'));
         let mut all = Vec::new();
         for side in &sides {

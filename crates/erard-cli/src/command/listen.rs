@@ -19,7 +19,7 @@ use crate::heard::{NoteRow, PartialRow, partials_table, summary_table};
 use crate::inputs::shown;
 use crate::print_line;
 use crate::session::Session;
-use crate::table::{Table, spaced, three};
+use crate::table::{Table, many, spaced, three};
 use crate::warn;
 
 /// Text below the options.
@@ -103,7 +103,7 @@ impl Listen {
         output.table(session, "notes-partials.csv", &partials_table(&summaries))?;
         let written = output.commit(session)?;
 
-        print_line!(session, "{} recordings of {} keys", report.recordings, report.keys);
+        print_line!(session, "{} of {}", many(report.recordings, "recording"), many(report.keys, "key"));
         if summaries.len() > FIRST_KEYS {
             let some = spaced(summaries.len(), FIRST_KEYS).into_iter().map(|at| summaries[at].clone());
             let first: Vec<String> = printed(&some.collect::<Vec<_>>()).lines();

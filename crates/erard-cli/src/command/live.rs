@@ -440,6 +440,7 @@ impl Live {
             }
         } else {
             summary.text().into_iter().for_each(|line| print_line!(session, "{line}"));
+            answer = answer.end_without_files(session);
         }
         Ok(answer)
     }

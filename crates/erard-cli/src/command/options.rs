@@ -310,7 +310,9 @@ impl StrokeOptions {
                     self.force_option
                 )));
             }
-            return self.through(Stroke::constant(format!("{force_n} N"), force_n));
+            // A weight typed in grams has more digits than anybody reads.
+            let shown_n = if force_n < 0.1 { force_n } else { (1e3 * force_n).round() / 1e3 };
+            return self.through(Stroke::constant(format!("{shown_n} N"), force_n));
         }
         if self.file.is_none() && self.recording.are_given() {
             return Err(Failure::Usage(

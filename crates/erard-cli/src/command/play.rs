@@ -26,6 +26,7 @@ use crate::play::spool::Spools;
 use crate::play::{Played, Side, page, report};
 use crate::print_line;
 use crate::session::Session;
+use crate::table::many;
 use crate::warn;
 use crate::wav::{Gain, limited};
 
@@ -207,7 +208,7 @@ impl Play {
 
     fn tell(&self, session: &mut Session, played: &Played<'_>) {
         let score = played.score;
-        print_line!(session, "{} - {} notes, {:.1} s", played.piece, score.notes.len(), score.duration_s);
+        print_line!(session, "{} - {}, {:.1} s", played.piece, many(score.notes.len(), "note"), score.duration_s);
         if score.shift_s > 0.0 {
             print_line!(
                 session,

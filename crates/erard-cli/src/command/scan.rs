@@ -174,8 +174,11 @@ impl Scan {
         let report = report::json(&scanned, &counts);
         output.json(session, "scan.json", &report)?;
         let written = output.commit(session)?;
+        print_line!(session, "{}", report::heading(&scanned));
+        let answer = Answer::of(&report)?;
+        answer.begin(session, |_| report::headlines(&scanned, &counts), "a row for each kind of motion");
         print_line!(session, "{}", report::text(&scanned));
-        Ok(Answer::of(&report)?.end(session, &written))
+        Ok(answer.end(session, &written))
     }
 
     /// All sensors that are asked for.

@@ -21,7 +21,7 @@ use crate::print_line;
 use crate::session::Session;
 use crate::study::sensitivities as sensitive;
 use crate::study::{SpeedBands, crossed, figure, shown, table_of};
-use crate::table::{Table, spaced};
+use crate::table::{Table, many, spaced};
 use crate::warn;
 
 /// Text below the options.
@@ -201,7 +201,7 @@ impl Study {
         let counted =
             [(impacts(|count| count == 0), "without an impact"), (impacts(|count| count > 1), "with several impacts")];
         let counted = counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("; {count} {what}"));
-        print_line!(session, "{} strokes; {failed} failed{}", rows.len(), counted.collect::<String>());
+        print_line!(session, "{}; {failed} failed{}", many(rows.len(), "stroke"), counted.collect::<String>());
         let table_lines = |most: usize| {
             let text = shown(&axes, &measures, &rows, most).to_string();
             let mut lines: Vec<String> = text.trim_end_matches('\n').lines().map(str::to_owned).collect();

@@ -78,6 +78,36 @@ fn shown(value: f64, decimals: usize, is_difference: bool) -> String {
     if is_difference { signed(value, decimals) } else { plain(value, decimals) }
 }
 
+/// Quantities of the first lines, by their place among the numbers of a key.
+const FIRST: [usize; 5] = [3, 6, 1, 2, 7];
+
+/// The first lines: how far the second keyboard is from the first, on average and at most.
+pub(crate) fn headlines(sides: &[Side; 2]) -> Vec<String> {
+    let line = |quantity: &Quantity| {
+        let Quantity { name, unit, decimals, .. } = quantity;
+        let known: Vec<(usize, [f64; 3])> = (0..sides[0].weighed.len())
+            .map(|at| (at, values(quantity, sides, at)))
+            .filter(|(_, [.., difference])| difference.is_finite())
+            .collect();
+        let most = known.iter().max_by(|(_, [.., a]), (_, [.., b])| a.abs().total_cmp(&b.abs()));
+        let Some((at, [first, second, difference])) = most else {
+            return format!("{name}: unknown.");
+        };
+        if plain(*difference, *decimals) == plain(0.0, *decimals) {
+            return format!("{name}: no difference.");
+        }
+        let mean = known.iter().map(|(_, [.., difference])| difference).sum::<f64>() / known.len() as f64;
+        format!(
+            "{name}: the second has {} {unit} on average; most at {}, {} and {} {unit}.",
+            shown(mean, *decimals, true),
+            sides[0].weighed[*at].note,
+            plain(*first, *decimals),
+            plain(*second, *decimals)
+        )
+    };
+    FIRST.iter().filter_map(|index| QUANTITIES.iter().find(|quantity| quantity.index == *index)).map(line).collect()
+}
+
 /// Sample notes as text.
 pub(crate) fn text(sides: &[Side; 2]) -> String {
     let places = samples(&sides[0].weighed);

@@ -1,11 +1,11 @@
 //! A data set in words and as JSON.
 
 use erard::keyboard::note_name;
-use erard_piece::scan::{Case, Strike};
+use erard_piece::scan::{Case, Strike, Truth};
 use serde_json::{Value, json};
 
 use super::{Scanned, percent, profile_name, scan_name};
-use crate::table::Table;
+use crate::table::{Table, many};
 
 /// `scan.json`: what the files hold, and where the numbers come from.
 pub(crate) fn json(scanned: &Scanned<'_>, readings: &[usize]) -> Value {
@@ -86,7 +86,7 @@ pub(crate) fn json(scanned: &Scanned<'_>, readings: &[usize]) -> Value {
 
 /// Of each case, in the order in which they are played: its windows, strikes, and those that are bounces.
 fn counted(scanned: &Scanned<'_>) -> Vec<(&'static str, usize, usize, usize)> {
-    let names = std::iter::once("piece").chain(Case::ALL.map(Case::name));
+    let names = std::iter::once(PIECE).chain(Case::ALL.map(Case::name));
     let of = |case: &'static str| {
         let windows = &scanned.truth.windows;
         let own: Vec<&Strike> =
@@ -97,7 +97,49 @@ fn counted(scanned: &Scanned<'_>) -> Vec<(&'static str, usize, usize, usize)> {
     names.map(of).filter(|(_, windows, ..)| *windows > 0).collect()
 }
 
-/// In words.
+/// The case of the windows of a piece.
+const PIECE: &str = "piece";
+/// Sensors of the first lines: more of them are counted.
+const FIRST_SENSORS: usize = 3;
+
+/// What was played on which keyboard.
+pub(crate) fn heading(scanned: &Scanned<'_>) -> String {
+    let piece = scanned.piece.as_ref().map_or(String::new(), |piece| format!("{piece} on "));
+    let (keys, sensors) = (many(scanned.played.len(), "key"), many(scanned.sensors.len(), "sensor"));
+    format!("{piece}{} - {keys}, {sensors}", scanned.keyboard.name)
+}
+
+/// The first lines: the truth, and what each sensor sent.
+pub(crate) fn headlines(scanned: &Scanned<'_>, readings: &[usize]) -> Vec<String> {
+    let Truth { windows, strikes } = scanned.truth;
+    let cases: Vec<usize> = (0..windows.len()).filter(|index| windows[*index].case != PIECE).collect();
+    let silent = cases.iter().filter(|index| strikes.iter().all(|strike| strike.window != **index)).count();
+    let bounces = strikes.iter().filter(|strike| strike.again).count();
+    let notes = scanned.score.map_or(0, |score| score.notes.len());
+    let played = [(notes, "note"), (cases.len(), "motion")];
+    let played: Vec<String> =
+        played.iter().filter(|(count, _)| *count > 0).map(|(count, what)| many(*count, what)).collect();
+    let mut lines = vec![
+        format!("Played: {}.", played.join(" and ")),
+        format!(
+            "Truth: {} of hammers on strings, and {} after them.",
+            many(strikes.len() - bounces, "impact"),
+            many(bounces, "bounce")
+        ),
+    ];
+    if !cases.is_empty() {
+        lines.push(format!("Motions without an impact: {silent}. A note found in one of them is false."));
+    }
+    let what = if scanned.contacts.is_empty() { "reading" } else { "edge" };
+    let sent = scanned.sensors.iter().zip(readings).take(FIRST_SENSORS);
+    lines.extend(sent.map(|(sensor, count)| format!("{}: {}", scan_name(sensor), many(*count, what))));
+    if scanned.sensors.len() > FIRST_SENSORS {
+        lines.push(format!("and {} in scan.json", many(scanned.sensors.len() - FIRST_SENSORS, "sensor")));
+    }
+    lines
+}
+
+/// A row for each kind of motion.
 pub(crate) fn text(scanned: &Scanned<'_>) -> String {
     let rows: Vec<Vec<String>> = counted(scanned)
         .into_iter()
@@ -105,9 +147,5 @@ pub(crate) fn text(scanned: &Scanned<'_>) -> String {
             vec![case.to_owned(), windows.to_string(), strikes.to_string(), again.to_string()]
         })
         .collect();
-    let piece = scanned.piece.as_ref().map_or(String::new(), |piece| format!("{piece} on "));
-    let many = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
-    let (keys, sensors) = (many(scanned.played.len(), "key"), many(scanned.sensors.len(), "sensor"));
-    let own = format!("{piece}{} - {keys}, {sensors}", scanned.keyboard.name);
-    format!("{own}\n\n{}\n", Table::of(["case", "played", "impacts", "bounces"], rows))
+    Table::of(["case", "played", "impacts", "bounces"], rows).to_string()
 }

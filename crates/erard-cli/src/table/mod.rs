@@ -15,7 +15,7 @@ use serde_json::{Map, Value, json};
 pub(crate) use parquet::RowGroups;
 use parquet::Values;
 pub use text::three;
-pub(crate) use text::{MAX_WIDTH, USUAL, decimal, wrapped};
+pub(crate) use text::{MAX_WIDTH, USUAL, decimal, many, wrapped};
 
 /// How the name of a table in text ends.
 pub(crate) const TABLE: &str = ".csv";

@@ -13,6 +13,11 @@ pub(crate) const USUAL: usize = 80;
 /// The narrowest that a column of words is wrapped to, so that a table is as wide as [`USUAL`], and as [`MAX_WIDTH`].
 const NARROWEST: [(usize, usize); 4] = [(USUAL, 32), (USUAL, 22), (MAX_WIDTH, 24), (MAX_WIDTH, 12)];
 
+/// A count with its noun, to which an s is added where there are several: `1 key`, `2 keys`.
+pub(crate) fn many(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
 /// A column as people see it.
 pub(super) struct Shown<'t> {
     pub head: &'t str,

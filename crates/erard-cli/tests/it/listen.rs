@@ -52,7 +52,7 @@ fn recordings_become_rows() {
     let said = folder.bad(&["my C4 soft.wav", "loud.wav"]);
     assert!(said.contains("loud.wav: no note in the file's name") && said.contains("--key C4"), "{said}");
     let said = folder.good(&["my C4 soft.wav", "loud.wav", "--key", "40"]);
-    assert!(said.contains("2 recordings of 1 keys"), "{said}");
+    assert!(said.contains("2 recordings of 1 key"), "{said}");
     let [recordings, partials, notes] =
         ["recordings", "recordings-partials", "notes"].map(|name| folder.read(&format!("erard-out-listen/{name}.csv")));
     let near = |found: f64, truth: f64, share: f64| (found / truth - 1.0).abs() < share;

@@ -485,13 +485,13 @@ fn sensed_hammers_become_notes() {
     folder.file("faulty.csv", "between_ms,hammer_speed_m_per_s\n4,5\n80,7\n");
     folder.good(&["live", "timed.csv", "--calibration", "a.toml", "--out-file", "take.mid"]);
     for (name, part) in [
-        ("timed.csv", "16000 samples of 1 keys, 0 to 3.9995 s"),
-        ("rows.csv", "16000 samples of 1 keys, without times"),
-        ("a.toml", "1 hammers, 1 with a sensor of releases"),
+        ("timed.csv", "16000 samples of 1 key, 0 to 3.9995 s"),
+        ("rows.csv", "16000 samples of 1 key, without times"),
+        ("a.toml", "1 hammer, 1 with a sensor of releases"),
         ("ruler.csv", "erard calibrate --sensor-law ruler.csv"),
         ("law.csv", "erard play --law law.csv"),
         ("maker.csv", "erard calibrate --contact-table maker.csv"),
-        ("take.mid", "1 notes on 1 keys"),
+        ("take.mid", "1 note on 1 key,"),
     ] {
         let said = folder.good_words(&["check", name]);
         assert!(said.contains(part), "{name}: {said}");

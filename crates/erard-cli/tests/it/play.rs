@@ -129,7 +129,7 @@ fn remarks_are_those_of_the_passage() {
     }
     let part = played(&["--from", "1"]);
     let said: Vec<&str> = part.lines().take_while(|line| !line.is_empty()).collect();
-    assert!(said.len() == 2 && said[0].starts_with("piece.mid - 1 notes, ") && said[1].contains("begins"), "{part}");
+    assert!(said.len() == 2 && said[0].starts_with("piece.mid - 1 note, ") && said[1].contains("begins"), "{part}");
 }
 
 /// Velocities are speeds by the law that is asked for, and the soft pedal is reported once.

@@ -47,6 +47,10 @@ fn what_is_scanned_is_what_live_reads() {
     std::fs::write(folder.0.join("two.mid"), crate::play::two_notes()).unwrap();
     let said = folder.good(&[&CHEAP[..], &OWN, &["--bits", "8,12", "--noise", "0", "--out", "set"]].concat());
     assert!(said.contains("piece") && said.contains("half-stroke"), "{said}");
+    assert!(
+        said.contains("Played: 3 notes and 3 motions.\nTruth: 2 impacts") && said.contains("Motions without"),
+        "{said}"
+    );
     let summary: Value = serde_json::from_str(&folder.read("set/scan.json")).unwrap();
     let scans = summary["scans"].as_array().unwrap();
     assert_eq!((scans.len(), &summary["keys"][0]["key"], &summary["sample"]), (2, &40.into(), &Value::Null));

@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::common::Folder;
 
 /// Commands that take a moment, with what their first lines say.
-const QUICK: [(&[&str], &[&str]); 9] = [
+const QUICK: [(&[&str], &[&str]); 10] = [
     (&["press"], &["The hammer meets the string at", "m/s", "The finger pushes with at most", "back check"]),
     (&["press", "--duration", "0.005"], &["The hammer does not reach the string: the key did not go down to let-off."]),
     (&["press", "--against", "pp"], &["hammer speed at the string", "difference"]),
@@ -23,6 +23,10 @@ const QUICK: [(&[&str], &[&str]); 9] = [
     (&["check", "concert-grand"], &["9 bodies, 4 springs, 17 contact zones, 12 screws.", "numbers has a source."]),
     (&["check", "mf-pressed"], &["sampled every", "columns used"]),
     (&["keyboard", "--every", "87"], &["From A0 to C8 the down-weight goes from", "Friction weight:"]),
+    (
+        &["keyboard", "concert-grand", "heavy-touch", "--every", "87"],
+        &["down-weight: the second has +", "g on average; most at A0,", "speed at mf: the second has"],
+    ),
 ];
 
 /// Every file of a folder but for the pictures, which are made of the same numbers.
@@ -117,6 +121,9 @@ fn a_wrong_name_is_answered_by_the_right_one() {
         (&["press", "mf"], "--stroke mf"),
         (&["press", "heavy-touch"], "--instrument heavy-touch"),
         (&["list", "stroks"], "did you mean `strokes`?"),
+        (&["draw", "--at", "letoff"], "did you mean `let-off`?"),
+        (&["diagnose", "58", "18"], "readings are options: --down-weight 58"),
+        (&["cite"], "--bibtex with any command"),
         (&["list", "press"], "erard press --help"),
         (&["man", "pres"], "did you mean `press`?"),
         (&["measure", "--only", "downweight"], "did you mean `down_weight_g`"),
