@@ -4,7 +4,9 @@ use std::sync::LazyLock;
 
 use crate::common::{Play, USUAL_STEP_S, rigid_grand};
 use erard::instrument::{Instrument, ScrewAction};
+use erard::parameter::Quantity;
 use erard_workshop::distances::{DistanceError, Protocol, measure};
+use erard_workshop::measure::norms::lines;
 use erard_workshop::regulate::{Goal, Miss, RegulateError, Regulated, Specification, known_screw, regulate};
 use moreau::Settings;
 
@@ -148,6 +150,32 @@ fn a_rise_that_cannot_be_met_is_said_so() {
     let free =
         regulated(&rigid_grand(), &vec![(Goal::LetOff, 1.5e-3), (Goal::Drop, 1.5e-3), (Goal::RepetitionRise, 10e-3)]);
     assert!(free.all_met(), "{:?}", free.achieved);
+}
+
+/// No goal of the trade stands on the end of the range that judges it: a tenth of the range is between them, and a
+/// digit that is read.
+#[test]
+fn goals_lie_inside_their_own_ranges() {
+    let mut held = 0;
+    for (goal, norm) in Goal::norms() {
+        let (scale, unit) = match goal.quantity() {
+            Quantity::Length => (1e3, "mm"),
+            Quantity::Speed => (1.0, "m_per_s"),
+            _ => (1.0, "share"),
+        };
+        let key = format!("{}_{unit}", goal.name().replace([' ', '-'], "_"));
+        let line = lines().find(|line| line.key == key).unwrap_or_else(|| panic!("{key} is no line of the sheet"));
+        for number in [1, 40, 88] {
+            let [Some(low), Some(high)] = line.range(number) else { panic!("{key} has no range at key {number}") };
+            let room = (0.1 * (high - low)).max(10_f64.powi(-(line.decimals as i32)));
+            let value = scale * norm;
+            // A thousandth of the room for rounding.
+            let is_inside = value - low > 0.999 * room && high - value > 0.999 * room;
+            assert!(is_inside, "{key} at key {number}: {value} in {low} to {high}");
+            held += 1;
+        }
+    }
+    assert_eq!(held, 27, "nine goals with a norm at three keys");
 }
 
 /// The spring's own torque limits how far it can be loosened; every screw stays in its range.
