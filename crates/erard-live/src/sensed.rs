@@ -68,34 +68,43 @@ pub trait Listen {
 }
 
 /// Passes events on; releases were not seen.
-struct Unseen<'a, L>(&'a mut L);
+struct Unseen<'a, L> {
+    listen: &'a mut L,
+    /// Instant at which the last note was ended, s.
+    ended_s: f64,
+}
 
 impl<L: Listen> Unseen<'_, L> {
     fn end(&mut self, notes: &mut KeyNotes, time_s: f64) {
         if notes.end() {
-            self.0.note(Event::Off { time_s, release_m_per_s: None });
+            self.listen.note(Event::Off { time_s, release_m_per_s: None });
+            self.ended_s = time_s;
         }
     }
 }
 
 impl<L: Listen> Listen for Unseen<'_, L> {
     fn note(&mut self, event: Event) {
-        self.0.note(match event {
+        self.listen.note(match event {
             Event::Off { time_s, .. } => Event::Off { time_s, release_m_per_s: None },
-            on @ Event::On { .. } => on,
+            // A hammer that was on the string when its note was ended, and is told when it leaves: a key's events do
+            // not go back in time.
+            Event::On { time_s, hammer_speed_m_per_s } => {
+                Event::On { time_s: time_s.max(self.ended_s), hammer_speed_m_per_s }
+            }
         });
     }
 
     fn stepped(&mut self, now_s: f64) {
-        self.0.stepped(now_s);
+        self.listen.stepped(now_s);
     }
 
     fn waits(&self) -> bool {
-        self.0.waits()
+        self.listen.waits()
     }
 
     fn let_go(&mut self, at_s: f64) {
-        self.0.let_go(at_s);
+        self.listen.let_go(at_s);
     }
 }
 
@@ -260,7 +269,7 @@ impl<T: Scalar, const W: usize> SensedKey<T, W> {
     /// now: nobody sees the key come up.
     pub fn let_go(&mut self, now_s: f64, action: &mut impl Steps<T>, listen: &mut impl Listen) {
         let from_s = now_s.max(self.now_s());
-        let mut unseen = Unseen(listen);
+        let mut unseen = Unseen { listen, ended_s: f64::NEG_INFINITY };
         unseen.end(&mut self.notes, from_s);
         // A key that was let go before is followed no longer.
         let home_s = from_s.max(now_s + HOME_S);
