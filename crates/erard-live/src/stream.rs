@@ -87,6 +87,12 @@ pub enum Fault {
         /// The line, cut off.
         found: String,
     },
+    /// The last line ends in a number, and no line's end follows.
+    #[error("found `{found}` and no line's end: its number may be cut off; expected a line's end")]
+    NoEnd {
+        /// The line, cut off.
+        found: String,
+    },
     /// A field is no finite number.
     #[error("{field} is `{found}`; expected a number")]
     Number {
@@ -267,6 +273,18 @@ impl Reader {
         };
         let rows = Some(Rows { columns, rate_hz, counts: Vec::new() });
         Ok(Reader { head, before_us: None, has_restarted: false, rows })
+    }
+
+    /// Reads a line with its end, as it came. At the end of a stream that breaks off nothing tells a number that was
+    /// cut off (3 of 3499, a key at its bottom) from a whole one: such a line is no sample. A contact's edge ends in a
+    /// word, which is whole or none.
+    ///
+    /// # Errors
+    /// [`Fault`], with the reason: [`Fault::NoEnd`] for such a line.
+    pub fn received(&mut self, line: &str) -> Result<Vec<Sample>, Fault> {
+        let samples = self.samples(line)?;
+        let is_whole = line.ends_with('\n') || samples.iter().all(|one| matches!(one.of, Of::Contact(..)));
+        if is_whole { Ok(samples) } else { Err(Fault::NoEnd { found: cut(line) }) }
     }
 
     /// Reads a line of any kind: no sample for one without content, several of a row. An empty cell of a row has none.

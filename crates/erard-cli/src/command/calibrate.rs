@@ -2,7 +2,7 @@
 
 use erard::parameter::Quantity;
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufReader};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -14,7 +14,7 @@ use erard_live::contact_table::{ContactTableError, PRESSED_KEY, Presses, error_c
 use erard_live::contacts::{ContactFault, ContactLaw, Point, SpeedTable};
 use erard_live::profile::{Profile, Release, Sensed};
 use erard_live::sensor::{Law as SensorLaw, LawFault};
-use erard_live::stream::{Of, SensorUnit};
+use erard_live::stream::{Fault, Of, SensorUnit};
 use erard_midi::Law;
 use serde_json::json;
 
@@ -25,11 +25,13 @@ use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::instruments::load_keyboard;
 use crate::law_points::{LawPoints, law_points};
+use crate::live::feed::lines_of;
 use crate::number::{Values, between, list};
 use crate::output::Output;
 use crate::print_line;
 use crate::session::Session;
 use crate::table::{Table, decimal, many, spaced};
+use crate::warn;
 
 /// Headers of a ruler's table and of a maker's own table of contacts.
 pub(super) const RULER_HEAD: &str = "raw,mm";
@@ -211,7 +213,7 @@ impl Calibrate {
         let unread = |error: std::io::Error| Failure::Usage(format!("{name}: cannot be read: {error}"));
         let file = session.inputs.open(self.readings()).map_err(unread)?;
         let (mut reader, mut keys, mut second) = (None, Sensors::new(), Sensors::new());
-        for (index, line) in BufReader::new(file).lines().enumerate() {
+        for (index, line) in lines_of(BufReader::new(file)).enumerate() {
             let line = line.map_err(unread)?;
             let text = line.trim();
             if text.is_empty() || text.starts_with('#') {
@@ -225,7 +227,15 @@ impl Calibrate {
                 reader = Some(made);
                 continue;
             };
-            for sample in reader.samples(text).map_err(|fault| wrong(index + 1, fault.to_string()))? {
+            let samples = match reader.received(&line) {
+                // A log that was broken off.
+                Err(fault @ Fault::NoEnd { .. }) => {
+                    warn!(session, "warning: {name}, line {}: left out: {fault}", index + 1);
+                    continue;
+                }
+                found => found.map_err(|fault| wrong(index + 1, fault.to_string()))?,
+            };
+            for sample in samples {
                 let (key, sensors) = match sample.of {
                     Of::Key(key) => (key, &mut keys),
                     Of::Release(key) => (key, &mut second),

@@ -86,17 +86,45 @@ impl<'a> CaseRow<'a> {
     }
 }
 
+/// Keys by their verdicts.
 #[derive(Debug, Serialize)]
-struct Report<'a> {
-    cases: usize,
+struct Counts {
     keys: usize,
     met: usize,
     missed: usize,
     harmful: usize,
+}
+
+impl Counts {
+    fn of<'a>(results: impl Iterator<Item = &'a CaseResult>) -> Self {
+        let mut counts = Counts { keys: 0, met: 0, missed: 0, harmful: 0 };
+        for result in results {
+            counts.keys += 1;
+            match result.verdict {
+                CaseVerdict::Met => counts.met += 1,
+                CaseVerdict::Missed => counts.missed += 1,
+                CaseVerdict::Harmful => counts.harmful += 1,
+            }
+        }
+        counts
+    }
+
+    fn text(&self) -> String {
+        format!("{} met, {} missed, {} with harmful work", self.met, self.missed, self.harmful)
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    cases: usize,
+    #[serde(flatten)]
+    counts: Counts,
+    /// The keys of cases that judge.
+    judging: Counts,
     rows: Vec<CaseRow<'a>>,
 }
 
-/// Runs the cases and prints their table, misses first.
+/// Runs the cases and prints their table, misses first, and of these the cases that judge.
 pub(crate) fn run(
     session: &mut Session,
     out: &OutOptions,
@@ -113,30 +141,24 @@ pub(crate) fn run(
         results.extend(case.run().map_err(Failure::Usage)?.into_iter().map(|result| (*case, result)));
     }
     drop(progress);
-    results.sort_by_key(|(_, result)| result.verdict);
-    let count = |verdict: CaseVerdict| results.iter().filter(|(_, result)| result.verdict == verdict).count();
+    results.sort_by_key(|(case, result)| (result.verdict, case.used == CaseUse::Choose));
+    let judging = results.iter().filter(|(case, _)| case.used == CaseUse::Judge);
     let report = Report {
         cases: cases.len(),
-        keys: results.len(),
-        met: count(CaseVerdict::Met),
-        missed: count(CaseVerdict::Missed),
-        harmful: count(CaseVerdict::Harmful),
+        counts: Counts::of(results.iter().map(|(_, result)| result)),
+        judging: Counts::of(judging.map(|(_, result)| result)),
         rows: results.iter().map(|(case, result)| CaseRow::of(case, result)).collect(),
     };
     output.json(session, "cases.json", &report)?;
     output.table(session, "cases.csv", &Table::of_records(&report.rows)?)?;
     let written = output.commit(session)?;
-    print_line!(
-        session,
-        "{} published pianos, {} keys diagnosed: {} met, {} missed, {} with harmful work",
-        report.cases,
-        report.keys,
-        report.met,
-        report.missed,
-        report.harmful
-    );
+    let Report { counts, judging, .. } = &report;
+    print_line!(session, "{} published pianos, {} keys diagnosed: {}", report.cases, counts.keys, counts.text());
+    if judging.keys > 0 && judging.keys < counts.keys {
+        print_line!(session, "Of the {} keys that judge: {}", judging.keys, judging.text());
+    }
     let answer = Answer::of(&report)?;
-    let heads = ["case", "key", "basis", "verdict", "named first", "acceptable"];
+    let heads = ["case", "key", "use", "basis", "verdict", "named first", "acceptable"];
     let row = |row: &CaseRow<'_>| {
         let first = match row.probability {
             Some(p) => format!("{} {:.0} %", row.first, 100.0 * p),
@@ -144,18 +166,18 @@ pub(crate) fn run(
         };
         let harm = if row.harmful_work.is_empty() { String::new() } else { format!(": {}", row.harmful_work) };
         let verdict = format!("{}{harm}", row.verdict);
-        [row.name.to_owned(), row.note.clone(), row.basis.to_owned(), verdict, first, row.acceptable.clone()]
+        let [used, basis] = [row.used, row.basis].map(str::to_owned);
+        [row.name.to_owned(), row.note.clone(), used, basis, verdict, first, row.acceptable.clone()]
     };
     // Misses and harmful work come first.
-    let missed = report.missed + report.harmful;
-    let worst = Table::of(heads, report.rows.iter().take(missed.max(1)).map(row)).lines();
+    let misses = counts.missed + counts.harmful;
+    let worst = Table::of(heads, report.rows.iter().take(misses.max(1)).map(row)).lines();
     let adds = "the other cases, each with the cause that is named first and the acceptable ones";
     Answer::begin_with_part(session, &worst, adds);
     print_line!(session, "{}", Table::of(heads, report.rows.iter().map(row)));
     print_line!(session, "  Readings, sources and what was found are in cases.csv and validation/cases.toml.");
     print_line!(session);
     let answer = answer.end(session, &written);
-    let misses = report.missed + report.harmful;
     Ok(if misses > 0 && fail_on_miss {
         answer.short_of(Some(format!("{misses} keys of cases missed")))
     } else {

@@ -2,7 +2,7 @@
 //! files.
 
 use std::collections::BTreeSet;
-use std::io::{BufRead, BufReader};
+use std::io::BufReader;
 use std::path::Path;
 
 use erard_live::profile::{Profile, Sensed};
@@ -17,6 +17,7 @@ use super::play::{LAW_HEAD, MAX_BYTES};
 use crate::failure::Failure;
 use crate::inputs::shown;
 use crate::law_points::law_points;
+use crate::live::feed::lines_of;
 use crate::print_line;
 use crate::session::Session;
 use crate::table::many;
@@ -65,13 +66,13 @@ fn stream(
     let input = session.inputs.open(path).map_err(unread)?;
     let (mut keys, mut samples, mut has_begun) = (BTreeSet::new(), 0, false);
     let (mut malformed, mut ends_s): (Vec<(usize, Fault)>, Option<[f64; 2]>) = (Vec::new(), None);
-    for (index, line) in BufReader::new(input).lines().enumerate() {
+    for (index, line) in lines_of(BufReader::new(input)).enumerate() {
         let line = line.map_err(unread)?;
         if !has_begun && rows.is_some_and(|head| line.trim().trim_start_matches('\u{feff}') == head) {
             has_begun = true;
             continue;
         }
-        match reader.samples(&line) {
+        match reader.received(&line) {
             Ok(all) => {
                 // The first line that counts is the header.
                 has_begun |= reader.take_restart();

@@ -191,7 +191,7 @@ impl Live {
         let mut reader = self.head(&feed, &mut Heard::default())?;
         // A line that cannot be read is reported when it is played.
         for line in feed.into_iter().flatten() {
-            for sample in reader.samples(&line.text).unwrap_or_default() {
+            for sample in reader.received(&line.text).unwrap_or_default() {
                 if let Of::Key(key) = sample.of {
                     all.insert(key);
                 }
@@ -301,7 +301,7 @@ impl Live {
             let line = line.map_err(|error| Failure::Usage(format!("{}: cannot be read: {error}", self.name())))?;
             waits = false;
             heard.line += 1;
-            match reader.samples(&line.text) {
+            match reader.received(&line.text) {
                 Ok(samples) if samples.is_empty() && reader.take_restart() => {
                     clock = Clock::new();
                     keys.restart();

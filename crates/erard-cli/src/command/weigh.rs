@@ -239,8 +239,10 @@ fn headlines(answer: &Value) -> Vec<String> {
         format!("{}{more}", keys.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", "))
     };
     let mut lines = Vec::new();
-    if !answer["leverage"].is_null() {
-        lines.push("Leverage first: the ratio of most keys is out on the same side, so the cause is one.".to_owned());
+    let leverage = &answer["leverage"];
+    if let (Some(keys), Some(of)) = (leverage["keys"].as_array(), leverage["of"].as_u64()) {
+        let out = keys.len();
+        lines.push(format!("Leverage first: the ratio of {out} of {of} keys is out on one side, so the cause is one."));
     }
     for (why, told) in WAITS {
         let waits = answer["waits"].as_array().into_iter().flatten().filter(|one| one["why"] == why);

@@ -9,7 +9,7 @@ use erard_live::stream::MAX_LINE_LENGTH;
 /// So many lines may wait. A sender that is faster then waits itself: nothing is dropped here.
 const WAITING: usize = 1 << 16;
 
-/// A line as it came.
+/// A line as it came, with its end.
 pub(crate) struct Line {
     pub text: String,
     pub came: Instant,
@@ -20,6 +20,18 @@ pub(crate) fn lines(input: Box<dyn Read + Send>) -> Receiver<std::io::Result<Lin
     let (sender, receiver) = sync_channel(WAITING);
     std::thread::spawn(move || read(BufReader::new(input), &sender));
     receiver
+}
+
+/// The lines of a file, each with its end.
+pub(crate) fn lines_of(mut file: impl BufRead) -> impl Iterator<Item = std::io::Result<String>> {
+    std::iter::from_fn(move || {
+        let mut line = String::new();
+        match file.read_line(&mut line) {
+            Ok(0) => None,
+            Ok(_) => Some(Ok(line)),
+            Err(error) => Some(Err(error)),
+        }
+    })
 }
 
 fn read(mut input: BufReader<Box<dyn Read + Send>>, sender: &SyncSender<std::io::Result<Line>>) {

@@ -40,15 +40,15 @@ fn a_few_readings() {
     assert!(!said.contains("No key was named"), "{said}");
     let found = read(&folder, "erard-out-diagnose/diagnosis.json");
     let key = &found["keys"][0];
-    // The page begins with what to do: looks, what is named, what is open with the reading that decides, and everything
-    // again.
+    // The page begins with what to do, in the trade's order: looks, friction with the reading that tells where it rubs,
+    // what is named, and everything again.
     let to_do: Vec<&str> = key["to_do"].as_array().unwrap().iter().filter_map(|line| line.as_str()).collect();
     let begins = [
         "Look for a damp room",
-        "Test for let-off button too low",
         "These readings decide nothing among",
         "Measure ",
         "Ease friction and weigh again",
+        "Test for let-off button too low",
         "Take all readings again",
     ];
     assert!(to_do.len() == 6 && to_do.iter().zip(begins).all(|(line, word)| line.starts_with(word)), "{to_do:?}");

@@ -99,6 +99,15 @@ fn published_pianos() {
     assert_eq!(csv::Reader::from_reader(folder.read("out/cases.csv").as_bytes()).records().count(), rows.len());
     let told = folder.good(&["--cases", "textbook-key,petrof-statics", "--out", "two"]);
     assert!(told.contains("2 published pianos, 2 keys") && told.contains("petrof-statics"), "{told}");
+    // The cases that judge are counted apart, and their misses come before the others'.
+    let told = folder.good(&["--cases", "--out", "all"]);
+    let report: Value = serde_json::from_str(&folder.read("all/cases.json")).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    assert!(rows.is_sorted_by_key(|row| (rank(row), row["use"] != "judge")), "{report}");
+    let judging = rows.iter().filter(|row| row["use"] == "judge").count();
+    let [of, met] = ["keys", "met"].map(|word| report["judging"][word].as_u64().unwrap());
+    assert_eq!(of, judging as u64);
+    assert!(told.contains(&format!("Of the {of} keys that judge: {met} met")), "{told}");
     // What the advice was not developed with.
     folder.good(&["--cases=judge", "--out", "judged"]);
     let report: Value = serde_json::from_str(&folder.read("judged/cases.json")).unwrap();

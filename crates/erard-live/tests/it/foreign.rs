@@ -42,7 +42,7 @@ struct Case {
 impl Case {
     /// What came out, where it is not right.
     fn wrong(&self) -> Option<String> {
-        let mut lines = self.text.lines();
+        let mut lines = self.text.split_inclusive('\n');
         let head = match Head::parse(lines.next().unwrap()) {
             Ok(head) => head,
             Err(fault) => {
@@ -57,7 +57,7 @@ impl Case {
         let mut live = Live::new(&grands, Some(&self.profile).filter(|_| !of_mm), options, &mut |_| true).unwrap();
         let (mut events, mut faults) = (Vec::new(), Vec::new());
         for line in lines {
-            match reader.samples(line) {
+            match reader.received(line) {
                 Ok(samples) if samples.is_empty() && reader.take_restart() => live.restart(),
                 Ok(samples) => samples.iter().for_each(|one| live.take(one, &mut |event| events.push(event))),
                 Err(fault) => faults.push(fault.to_string()),
@@ -110,8 +110,7 @@ fn text(head: &str, all: &[(u64, f64)], line: impl Fn(usize, u64, f64) -> String
 
 const HEAD: &str = "time_us,key,raw";
 
-/// Loggers. One habit is not mended: a last line that is torn, such as 3 for 3499, is a key that goes to its bottom
-/// within a reading, and gives a note of 1.2 m/s. Nothing tells such a line from a whole one.
+/// Loggers.
 fn loggers(press: &Press) -> Vec<Case> {
     let (speed, all) = (press.impacts[0][1], readings(press, 1000));
     let fast = readings(press, 4000);
@@ -128,7 +127,19 @@ fn loggers(press: &Press) -> Vec<Case> {
     };
     let one = || Right::Notes(1, 0.6);
     let wrapped = |us: u64| (us + (1 << 32) - 60_000) % (1 << 32);
+    let torn = |n: usize, us: u64, raw: f64| match n + 1 == all.len() {
+        true => format!("{us},1,{:.1}", raw.to_string()),
+        false => plain(n, us, raw),
+    };
     vec![
+        case(
+            "loggers that are switched off",
+            "the last line is torn: 3 of 3499, a key at its bottom",
+            text(HEAD, &all, torn),
+            one(),
+            nothing,
+            "a second note, of 1.2 m/s",
+        ),
         case(
             "sparkfun/OpenLog_Artemis",
             "lines end as on Windows",

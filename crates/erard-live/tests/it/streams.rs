@@ -42,6 +42,28 @@ fn lines_are_read() {
     }
 }
 
+/// A last line without its end may be cut off where it ends in a number: it is no sample. One that ends in a word, and
+/// one without content, is whole.
+#[test]
+fn a_line_without_its_end_is_left_out() {
+    let mut reader = Reader::new(Head::parse("time_us,key,raw").unwrap());
+    for line in ["1,40,3", "1,sustain,0", "1,40,3121.0 "] {
+        assert!(matches!(reader.received(line), Err(Fault::NoEnd { .. })), "{line}");
+        assert_eq!(reader.received(&format!("{line}\r\n")).unwrap().len(), 1);
+    }
+    for line in ["# words", "", "  "] {
+        assert_eq!(reader.received(line), Ok(Vec::new()));
+    }
+    assert!(matches!(reader.received("1,4"), Err(Fault::Fields { .. })));
+    let mut edges = Reader::new(Head::parse("time_us,key,contact,state").unwrap());
+    assert_eq!(edges.received("1,40,1,made").unwrap().len(), 1);
+    assert!(matches!(edges.received("1,40,1,mad"), Err(Fault::Edge { .. })));
+    assert!(matches!(edges.received("1,sustain,1"), Err(Fault::NoEnd { .. })));
+    let mut rows = Reader::of_rows("40,41", 1000.0).unwrap();
+    assert!(matches!(rows.received("3121,3"), Err(Fault::NoEnd { .. })));
+    assert!(matches!(rows.received("3121"), Err(Fault::Cells { .. })));
+}
+
 /// Ten note-ons at once take 9.6 ms; one alone 0.96.
 #[test]
 fn bytes_queue_for_a_cable() {

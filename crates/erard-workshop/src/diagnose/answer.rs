@@ -104,7 +104,8 @@ impl Diagnosis {
     }
 
     /// Returns the work in order: doubtful readings, looks of ten seconds, the named causes in the trade's order, the
-    /// reading that decides among others, and all readings again.
+    /// reading that decides among others, and all readings again. Friction that is to be eased before the weights are
+    /// those of the piano comes before all other causes, with the reading that decides where it rubs.
     #[must_use]
     pub fn to_do(&self) -> Vec<String> {
         if !self.is_work() {
@@ -120,24 +121,29 @@ impl Diagnosis {
             let then = if self.is_look { format!(" Then {}.", look.cure) } else { String::new() };
             format!("Look for {}: {}.{then}", look.name, look.test)
         }));
-        for ranked in &self.causes {
+        let test = |ranked: &Ranked| {
             let again = self.weigh_first(ranked).map_or(String::new(), |after| format!(" Weigh again {after} first."));
-            lines.push(format!(
-                "Test for {}: {}. If it is so, {}.{again}",
-                ranked.cause.name, ranked.cause.test, ranked.cause.cure
-            ));
-        }
-        for ranked in &self.withheld {
-            let why = ranked.withheld.as_deref().unwrap_or_default();
-            lines.push(format!("Not yet for {}: {why}.", ranked.cause.name));
-        }
-        lines.extend(self.open_question().map(|question| format!("{question}.")));
-        lines.extend(self.next.as_ref().map(|next| format!("Measure {} ({}) and enter it.", next.label, next.how)));
+            let Cause { name, test, cure, .. } = ranked.cause;
+            format!("Test for {name}: {test}. If it is so, {cure}.{again}")
+        };
+        let (friction, later): (Vec<&Ranked>, Vec<&Ranked>) =
+            self.causes.iter().partition(|ranked| ranked.cause.order == FRICTION_ORDER);
+        lines.extend(friction.into_iter().map(test));
+        let mut to_decide: Vec<String> =
+            self.open_question().map(|question| format!("{question}.")).into_iter().collect();
+        to_decide.extend(self.next.as_ref().map(|next| format!("Measure {} ({}) and enter it.", next.label, next.how)));
         if self.weigh_again {
+            lines.append(&mut to_decide);
             lines.push(format!(
                 "Ease friction and weigh again before leverage, hammers and leads: it is over {WEIGH_AGAIN_G:.0} g."
             ));
         }
+        lines.extend(later.into_iter().map(test));
+        for ranked in &self.withheld {
+            let why = ranked.withheld.as_deref().unwrap_or_default();
+            lines.push(format!("Not yet for {}: {why}.", ranked.cause.name));
+        }
+        lines.append(&mut to_decide);
         lines.push("Take all readings again: what is still out has another cause.".to_owned());
         lines
     }

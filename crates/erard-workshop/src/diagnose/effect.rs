@@ -13,7 +13,7 @@ use erard::instrument::Instrument;
 use super::bench::Bench;
 use super::cause::{Cause, causes};
 use super::entry::{Known, at};
-use super::inject::{inject, injected_amount};
+use super::inject::inject_case;
 use crate::cores;
 use crate::measure::MeasureError;
 use crate::worklist::{ReadingQuantity, Readings};
@@ -131,11 +131,7 @@ fn simulate(
 ) -> Result<Effect, MeasureError> {
     let mut changes: Vec<Features> = Vec::new();
     for (grand, before) in grands {
-        let mut ill = inject(grand, cause, injected_amount(cause, case), false, progress)?;
-        if let Some((again, amount)) = cause.set_again().filter(|_| case > 3.0) {
-            ill = inject(&ill, again, amount, false, progress)?;
-        }
-        let after = measured(&ill, progress)?;
+        let after = measured(&inject_case(grand, cause, case, false, progress)?, progress)?;
         changes.push(std::array::from_fn(|i| Some(after[i]? - before[i]?)));
     }
     let mut effect = Effect { mean: [None; N], spread: [0.0; N] };

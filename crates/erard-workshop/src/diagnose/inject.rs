@@ -63,6 +63,27 @@ pub fn inject(
     Ok(changed)
 }
 
+/// Returns an action with a case of a cause, beyond the heavy one with the screw that is then set again, or with `undo`
+/// without them.
+///
+/// # Errors
+/// If the instrument is no grand action.
+pub fn inject_case(
+    instrument: &Instrument,
+    cause: &Cause,
+    case: f64,
+    undo: bool,
+    progress: &mut Progress<'_>,
+) -> Result<Instrument, MeasureError> {
+    let amount = injected_amount(cause, case);
+    let changed = inject(instrument, cause, amount, undo, progress)?;
+    match cause.set_again().filter(|_| case > 3.0) {
+        // The farther the cause goes, the farther that screw follows it.
+        Some((again, whole)) => inject(&changed, again, whole * amount / injected_amount(cause, 4.0), undo, progress),
+        None => Ok(changed),
+    }
+}
+
 /// Turns a screw in the direction of technicians' words; a spring by a share of its torque.
 fn turn(instrument: &mut Instrument, known: &KnownScrew, by: f64) {
     let Some(screw) = instrument.screw(known.name) else { return };

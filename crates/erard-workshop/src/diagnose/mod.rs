@@ -30,7 +30,7 @@ pub use cause::{Cause, Look, causes, looks};
 pub use effect::{check_effects, effects_csv};
 pub use entry::{Entry, Impossible, Known, entries, readings};
 pub use geometry::{Band, Geometry};
-pub use inject::{inject, injected_amount};
+pub use inject::{inject, inject_case, injected_amount};
 pub use report::{Diagnosis, Judged, Ranked, Standing, Suggestion, WEIGH_AGAIN_G, diagnose, diagnose_all};
 pub use table::{is_table_of_keys, read, unused_columns};
 pub use typed::Typed;

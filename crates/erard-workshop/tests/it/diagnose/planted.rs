@@ -8,12 +8,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use erard::instrument::Instrument;
 use erard_workshop::balance::KeyModel;
-use erard_workshop::diagnose::{Diagnosis, Known, causes, diagnose, entries};
+use erard_workshop::diagnose::{Cause, Diagnosis, Known, causes, diagnose, entries, injected_amount};
 use erard_workshop::distances::Protocol;
 use erard_workshop::regulate::{Goal, regulate};
 use erard_workshop::worklist::Work;
 
-use super::proof::{KEY, dealt, on_all_cores, planted, read_within, sound_samples};
+use super::proof::{GRAND, KEY, dealt, on_all_cores, planted, read_within, sound_samples, with};
 use crate::worklist::hand::Chance;
 
 const FILE: &str = include_str!("../../planted.csv");
@@ -21,8 +21,9 @@ const FILE: &str = include_str!("../../planted.csv");
 /// A piano: what was planted, and its true readings.
 #[derive(Debug, Clone)]
 pub struct Truth {
-    /// `fault`: one cause on a drawn grand; `sound`: a drawn grand; `other`: one cause on another instrument; `kind`:
-    /// an instrument with a ratio and a strike weight, regulated and leaded.
+    /// `fault`: one cause on a drawn grand; `sound`: a drawn grand; `other`: one cause on another instrument;
+    /// `largest`: one cause beyond its heavy case; `kind`: an instrument with a ratio and a strike weight, regulated
+    /// and leaded; `refused`: such an instrument that cannot be regulated, without readings.
     pub set: String,
     /// The instrument.
     pub grand: String,
@@ -32,6 +33,26 @@ pub struct Truth {
 }
 
 impl Truth {
+    /// Planted causes: of a kind those of leverage and hammer that are out of their ranges.
+    pub fn causes(&self) -> Vec<&'static str> {
+        let is_of = |cause: &str| match (&*self.set, cause) {
+            ("kind", "ratio_high") => self.beyond("strike_weight_ratio") > 0.0,
+            ("kind", "ratio_low") => self.beyond("strike_weight_ratio") < 0.0,
+            ("kind", "hammer_heavy") => self.beyond("strike_weight_g") > 0.0,
+            ("kind", "hammer_light") => self.beyond("strike_weight_g") < 0.0,
+            (set, cause) => set != "kind" && cause == self.planted,
+        };
+        causes().iter().map(|cause| &*cause.key).filter(|cause| is_of(cause)).collect()
+    }
+
+    /// How far a true reading is beyond its range, above it positive; 0 inside.
+    pub fn beyond(&self, name: &str) -> f64 {
+        let found = diagnose(&self.known, KEY);
+        let line = found.lines.iter().find(|line| line.name == name).unwrap();
+        let (value, [low, high]) = (line.value.unwrap(), line.usual.unwrap());
+        (value - high).max(0.0) - (low - value).max(0.0)
+    }
+
     fn row(&self) -> String {
         let mut row = format!("{},{},{}", self.set, self.grand, self.planted);
         for entry in entries() {
@@ -73,56 +94,95 @@ pub fn parse(text: &str) -> Vec<Truth> {
 /// Faults on drawn grands, and how many of these; they are read when sound, too.
 const FAULTS: usize = 60;
 const GRANDS: usize = 8;
-/// Ratios and strike weights that are planted together, the latter on strike-weight curves 2, 7 and 12 at middle C.
-const RATIOS: [f64; 4] = [4.8, 5.6, 6.6, 7.8];
-const STRIKES_G: [f64; 3] = [7.0, 9.5, 12.0];
+/// Pianos of another make, on which every cause is planted once: the file, and as many drawn from it.
+const OTHER: &str = "steinway-o";
+const OTHER_GRANDS: usize = 1;
+/// A piano that is put right first.
+const SPOILED: &str = "heavy-touch";
+/// Ratios that are planted in turn with the strike weights, other ones on each piano.
+const RATIOS: [f64; 5] = [4.8, 5.6, 6.4, 7.2, 8.0];
+/// Strike weights of curves 1 to 13 at middle C, g: the first, and the step from curve to curve.
+const CURVES: usize = 13;
+const CURVE_1_G: f64 = 6.5;
+const CURVE_STEP_G: f64 = 0.5;
+/// The ratio and the strike weight of a piano that is put right.
+const RIGHT: (f64, f64) = (5.6, 9.5);
 /// Balance weight to which keys are leaded, g, and front weights that keys bear.
 const LEADED_TO_G: f64 = 38.0;
 const FRONTS_G: [f64; 2] = [0.0, 45.0];
-const OTHER: &str = "steinway-o";
+/// First number of the drawn grands.
+const FROM: u32 = 5001;
+
+/// A sound piano.
+struct Sound {
+    name: String,
+    number: u32,
+    instrument: Instrument,
+}
 
 /// Simulates the file.
 pub fn simulate() -> String {
-    type Job<'a> = Box<dyn Fn() -> Option<Truth> + Sync + 'a>;
-    let grands = sound_samples(GRANDS, 5001);
-    let other = Instrument::builtin(OTHER).unwrap();
+    type Job<'a> = Box<dyn Fn() -> Truth + Sync + 'a>;
+    let drawn = sound_samples(GRAND, GRANDS, FROM);
+    let [other, spoiled] = [OTHER, SPOILED].map(|name| Instrument::builtin(name).unwrap());
+    let sample = |name: &str, (number, instrument): (u32, Instrument)| {
+        let name = if name == GRAND { format!("sample {number}") } else { format!("{name} sample {number}") };
+        Sound { name, number, instrument }
+    };
+    let right = kind(&spoiled, RIGHT).expect("it is put right").0;
+    let spoiled = Sound { name: SPOILED.to_owned(), number: 2, instrument: spoiled };
+    let mut others = vec![Sound { name: OTHER.to_owned(), number: 1, instrument: other }];
+    others.extend(sound_samples(OTHER, OTHER_GRANDS, FROM).into_iter().map(|one| sample(OTHER, one)));
+    others.push(Sound { name: format!("{SPOILED} put right"), number: 2, instrument: right });
+    let first = sample(GRAND, drawn[0].clone());
     let mut jobs: Vec<Job<'_>> = Vec::new();
     for at in 0..FAULTS {
-        let (number, grand, cause) = dealt(&grands, FAULTS, 0, at);
+        let (number, grand, cause) = dealt(&drawn, FAULTS, 0, at);
         jobs.push(Box::new(move || {
             let of = planted(at, number, grand, cause);
-            Some(truth("fault", &format!("sample {number}"), &causes()[cause?].key, of.truth))
+            truth("fault", &format!("sample {number}"), cause.map_or("", |at| &causes()[at].key), of.truth)
         }));
     }
-    for (number, grand) in &grands {
+    for (number, grand) in &drawn {
         jobs.push(Box::new(move || {
             let known = Known::measured(grand, &mut |_| true).unwrap();
-            Some(truth("sound", &format!("sample {number}"), "", known))
+            truth("sound", &format!("sample {number}"), "", known)
         }));
     }
-    for at in 0..causes().len() {
-        let other = &other;
+    for (sound, at) in others.iter().flat_map(|sound| (0..causes().len()).map(move |at| (sound, at))) {
         jobs.push(Box::new(move || {
-            Some(truth("other", OTHER, &causes()[at].key, planted(at, 1, other, Some(at)).truth))
+            let of = planted(at, sound.number, &sound.instrument, Some(at));
+            truth("other", &sound.name, &causes()[at].key, of.truth)
         }));
     }
-    let known = Known::measured(&other, &mut |_| true).unwrap();
-    let band = diagnose(&known, KEY).geometry.ratio.unwrap();
-    let own = 0.5 * (band.low + band.high);
-    for (ratio, strike_g) in RATIOS.iter().flat_map(|ratio| STRIKES_G.map(|strike_g| (*ratio, strike_g))) {
-        let other = &other;
+    let largest = (0..causes().len()).filter(|at| has_largest(&causes()[*at]));
+    for (at, sound) in largest.flat_map(|at| others.iter().chain([&first]).map(move |sound| (at, sound))) {
         jobs.push(Box::new(move || {
-            let known = kind(other, ratio / own, strike_g)?;
-            Some(truth("kind", OTHER, &format!("ratio {ratio} strike weight {strike_g}"), known))
+            let case = Chance::new(1000 * u64::from(sound.number) + at as u64).between(3.0, 4.0);
+            let ill = with(&sound.instrument, Some(at), case);
+            truth("largest", &sound.name, &causes()[at].key, Known::measured(&ill, &mut |_| true).unwrap())
         }));
+    }
+    let bases = [&others[0], &others[1], &spoiled, &first];
+    for (at, base) in bases.into_iter().enumerate() {
+        for curve in 0..CURVES {
+            let ratio = RATIOS[(curve + at) % RATIOS.len()];
+            let strike_g = CURVE_1_G + CURVE_STEP_G * curve as f64;
+            jobs.push(Box::new(move || {
+                let planted = format!("ratio {ratio} strike weight {strike_g}");
+                match kind(&base.instrument, (ratio, strike_g)) {
+                    Some((_, known)) => truth("kind", &base.name, &planted, known),
+                    None => truth("refused", &base.name, &planted, Known::default()),
+                }
+            }));
+        }
     }
     let (next, found) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
     on_all_cores(|| {
         while let Some((at, job)) = Some(next.fetch_add(1, Ordering::SeqCst)).and_then(|at| Some((at, jobs.get(at)?))) {
-            if let Some(truth) = job() {
-                println!("{}", truth.row());
-                found.lock().unwrap().insert(at, truth.row());
-            }
+            let truth = job();
+            println!("{}", truth.row());
+            found.lock().unwrap().insert(at, truth.row());
         }
     });
     let rows: Vec<String> = std::iter::once(header()).chain(found.into_inner().unwrap().into_values()).collect();
@@ -134,10 +194,17 @@ fn truth(set: &str, grand: &str, planted: &str, known: Known) -> Truth {
     Truth { set, grand, planted, known }
 }
 
-/// An instrument whose ratio is changed by a factor at the capstan line and whose hammer has a strike weight,
-/// regulated, and leaded to a balance weight as far as its key bears; `None` if it cannot be regulated.
-fn kind(grand: &Instrument, factor: f64, strike_g: f64) -> Option<Known> {
+/// Whether a cause has a case beyond the heavy one.
+fn has_largest(cause: &Cause) -> bool {
+    injected_amount(cause, 4.0) != injected_amount(cause, 3.0)
+}
+
+/// An instrument with a ratio by the equation of balance and a strike weight, regulated, and leaded to a balance weight
+/// as far as its key bears, with its readings; `None` if it cannot be regulated.
+fn kind(grand: &Instrument, (ratio, strike_g): (f64, f64)) -> Option<(Instrument, Known)> {
     let go_on = &mut |_: f64| true;
+    let own = diagnose(&Known::measured(grand, go_on).unwrap(), KEY).geometry.ratio?;
+    let factor = ratio / (0.5 * (own.low + own.high));
     let model = KeyModel::of(grand).unwrap();
     let (c, h) = (model.capstan_mm, model.heel_mm);
     let mut made = grand.clone();
@@ -147,13 +214,13 @@ fn kind(grand: &Instrument, factor: f64, strike_g: f64) -> Option<Known> {
     if !regulated.all_met() {
         return None;
     }
-    let mut known = Known::measured(&regulated.instrument, go_on).ok()?;
+    let mut leaded = regulated.instrument;
+    let known = Known::measured(&leaded, go_on).ok()?;
     let (balance_g, front_g) = (known.balance_g()?, known.get("front_weight_g")?);
     let by_g = (front_g + balance_g - LEADED_TO_G).clamp(FRONTS_G[0], FRONTS_G[1]) - front_g;
-    for (name, sign) in [("front_weight_g", 1.0), ("down_weight_g", -1.0), ("up_weight_g", -1.0)] {
-        known.set(name, known.get(name).map(|own| own + sign * by_g));
-    }
-    Some(known)
+    Work::FrontWeight { by_g }.carry_out(&mut leaded, go_on).unwrap();
+    let known = Known::measured(&leaded, go_on).ok()?;
+    Some((leaded, known))
 }
 
 /// Errors of a bench: 1.5 g of D and U, 0.1 g of SW, 0.5 g of FW, 0.2 mm of dip, blow and let-off.
@@ -174,10 +241,26 @@ const LEAST: f64 = 0.01;
 pub struct Told {
     pub truth: Truth,
     pub found: Diagnosis,
-    /// Probability of the planted cause.
-    pub planted: f64,
+    /// Probabilities of the planted causes.
+    pub planted: Vec<(&'static str, f64)>,
     /// The likeliest cause and its probability.
     pub first: (&'static str, f64),
+}
+
+impl Told {
+    /// Whether the likeliest cause was planted.
+    pub fn is_first(&self) -> bool {
+        self.planted.iter().any(|(cause, _)| *cause == self.first.0)
+    }
+
+    /// Every cause with its probability, and whether it was planted. Leads follow from a planted ratio and hammer, and
+    /// are left out there.
+    pub fn all(&self) -> impl Iterator<Item = (f64, bool)> {
+        let is_kind = self.truth.set == "kind";
+        let told = causes().iter().zip(&self.found.probabilities);
+        told.filter(move |(cause, _)| !(is_kind && cause.key.starts_with("leads_")))
+            .map(|(cause, p)| (*p, self.planted.iter().any(|(own, _)| *own == cause.key)))
+    }
 }
 
 /// Diagnoses the truths of a set as they are read, each off by up to an error, without the tests that are taken on
@@ -188,7 +271,10 @@ pub fn told(set: &str, error: fn(&str, f64) -> f64) -> Vec<Told> {
         ASKED.iter().for_each(|name| known.set(name, None));
         let found = diagnose(&known, KEY);
         let of = |at: usize| found.probabilities.get(at).copied().unwrap_or(0.0);
-        let planted = causes().iter().position(|cause| cause.key == truth.planted).map_or(0.0, of);
+        let own = truth.causes();
+        let all = causes().iter().enumerate();
+        let planted = all.filter(|(_, cause)| own.contains(&&*cause.key)).map(|(at, cause)| (&*cause.key, of(at)));
+        let planted = planted.collect();
         let first = (0..causes().len()).max_by(|a, b| of(*a).total_cmp(&of(*b))).unwrap();
         let first = (&*causes()[first].key, of(first));
         Told { truth, found, planted, first }
@@ -198,7 +284,8 @@ pub fn told(set: &str, error: fn(&str, f64) -> f64) -> Vec<Told> {
 
 /// Mean logarithm of the probability of what was planted.
 pub fn log_score(told: &[Told]) -> f64 {
-    told.iter().map(|one| one.planted.clamp(LEAST, 1.0).ln()).sum::<f64>() / told.len() as f64
+    let all: Vec<f64> = told.iter().flat_map(|one| &one.planted).map(|(_, p)| p.clamp(LEAST, 1.0).ln()).collect();
+    all.iter().sum::<f64>() / all.len() as f64
 }
 
 /// Wilson's 95 % interval of a share.
@@ -218,14 +305,10 @@ pub fn report(told: &[Told]) -> String {
     told.iter().fold(String::new(), |mut text, one| {
         let named: Vec<&str> = one.found.causes.iter().map(|ranked| &*ranked.cause.key).collect();
         let (first, p) = one.first;
-        let _ = writeln!(
-            text,
-            "  {:14} {:34} {:.3}  first {first} {p:.2}  named {}",
-            one.truth.grand,
-            one.truth.planted,
-            one.planted,
-            named.join(" ")
-        );
+        let planted: Vec<String> = one.planted.iter().map(|(cause, p)| format!("{cause} {p:.3}")).collect();
+        let (grand, of) = (&one.truth.grand, &one.truth.planted);
+        let (planted, named) = (planted.join(" "), named.join(" "));
+        let _ = writeln!(text, "  {grand:22} {of:34} {planted:24} first {first} {p:.2}  named {named}");
         text
     })
 }

@@ -9,9 +9,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
 use erard::instrument::{Instrument, InstrumentFile};
-use erard_workshop::diagnose::{
-    Diagnosis, Known, Ranked, Standing, causes, diagnose, entries, inject, injected_amount,
-};
+use erard_workshop::diagnose::{Diagnosis, Known, Ranked, Standing, causes, diagnose, entries, inject_case};
 use erard_workshop::sample::Sampled;
 use erard_workshop::worklist::{ReadingQuantity, Readings};
 
@@ -117,7 +115,7 @@ fn chance_of(at: usize, number: u32) -> Chance {
 /// Puts a case of a cause into a sound piano.
 pub fn with(sound: &Instrument, cause: Option<usize>, case: f64) -> Instrument {
     match cause.map(|at| &causes()[at]) {
-        Some(cause) => inject(sound, cause, injected_amount(cause, case), false, &mut |_| true).unwrap(),
+        Some(cause) => inject_case(sound, cause, case, false, &mut |_| true).unwrap(),
         None => sound.clone(),
     }
 }
@@ -152,7 +150,7 @@ pub fn course(planted: &Planted) -> Course {
     }
     let mut out_of = [out(truth); 2];
     if let Some(first) = ranked(&found).first() {
-        let undone = inject(ill, first.cause, injected_amount(first.cause, first.case), true, go_on).unwrap();
+        let undone = inject_case(ill, first.cause, first.case, true, go_on).unwrap();
         out_of[1] = out(&Known::measured(&undone, go_on).unwrap());
     }
     let named = ranked(&found).into_iter().map(|ranked| format!("{} {:.2}", ranked.cause.key, ranked.probability));
@@ -223,10 +221,11 @@ impl Tally {
     }
 }
 
-/// Returns the first sound samples from a number on. All cores draw; the result does not depend on their number.
-pub fn sound_samples(grands: usize, from: u32) -> Vec<(u32, Instrument)> {
+/// Returns the first sound samples of a built-in instrument from a number on. All cores draw; the result does not
+/// depend on their number.
+pub fn sound_samples(name: &str, grands: usize, from: u32) -> Vec<(u32, Instrument)> {
     let go_on = &mut |_: f64| true;
-    let sampled = Sampled::of_file(Instrument::builtin_text(GRAND).unwrap(), GRAND, go_on).unwrap();
+    let sampled = Sampled::of_file(Instrument::builtin_text(name).unwrap(), name, go_on).unwrap();
     let (next, sound) = (AtomicU32::new(from), Mutex::new(Vec::<(u32, Instrument)>::new()));
     let draw = || {
         while sound.lock().unwrap().len() < grands {
