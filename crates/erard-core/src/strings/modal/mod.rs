@@ -52,6 +52,7 @@ struct Prepared {
     bridge: Option<Bridge>,
     compliance_m_per_n: Between,
     sounds: [Pair; POINTS],
+    rocked_m_per_n: [[f64; POINTS]; DASHPOTS],
 }
 
 /// The exact motion of a string's mode, which is free, over a span, s: see [`transition`].
@@ -93,6 +94,8 @@ pub struct Strings {
     /// next step if nothing presses the strings, m.
     coupling: Coupling,
     drifts_m: Pair,
+    /// How much smaller the compliance of two places is in the next step because dashpots are moved by it, m/N.
+    held_m_per_n: Between,
     rail: Option<Rail>,
     /// Where it moves.
     bridge: Option<Bridge>,
@@ -105,6 +108,8 @@ pub struct Strings {
     compliance_m_per_n: Between,
     /// What a newton at each place adds to S in a step.
     sounds: [Pair; POINTS],
+    /// By how much a newton at each place moves each dashpot in a step, m/N.
+    rocked_m_per_n: [[f64; POINTS]; DASHPOTS],
     /// See [`Surfaces::follow`].
     statically: bool,
     /// What follows from the state: the hammer felt's displacement now and, undisturbed, a step later, m; S, the force
@@ -156,6 +161,7 @@ impl Strings {
             rocks: [Rocks::default(); DASHPOTS],
             coupling: [[0.0; DASHPOTS]; DASHPOTS],
             drifts_m: [0.0; 2],
+            held_m_per_n: Between::default(),
             rail: instrument.roles.pedal.map(|_| Rail::default()),
             bridge: None,
             hold_n_per_m: instrument.strings.iter().map(|string| string.tension_n / string.length_m).sum(),
@@ -163,6 +169,7 @@ impl Strings {
             static_m_per_n: Between::default(),
             compliance_m_per_n: Between::default(),
             sounds: [[0.0; 2]; POINTS],
+            rocked_m_per_n: [[0.0; POINTS]; DASHPOTS],
             statically: false,
             now_m: 0.0,
             free_m: 0.0,
@@ -283,6 +290,7 @@ impl Strings {
         }
         self.bridge =
             moves.then(|| Bridge::new(&self.bridge_modes, bridge_rows, bridge_n_per_m, answers_n_per_m, step_s));
+        self.rocked_m_per_n = std::array::from_fn(|k| std::array::from_fn(|p| self.rocked_by(k, p)));
         let sounds_static: [Pair; POINTS] = std::array::from_fn(|p| self.sounds_statically(p));
         for p in 0..POINTS {
             for other in 0..POINTS {
@@ -353,6 +361,7 @@ impl Strings {
                 rocks.drift_m += dot(self.felts[felt].dashpots[kind].sounds, self.drifts_m);
             }
             self.coupling = coupling(&self.rocks, &self.felts, per_newton);
+            self.held_m_per_n = self.held();
         }
     }
 
@@ -427,7 +436,7 @@ impl Strings {
         let mut dashpots_n = [0.0; DASHPOTS];
         for (k, _) in self.rocking() {
             let way = |(l, rocks): (usize, &Rocks)| {
-                let pressed: f64 = (0..POINTS).map(|p| self.rocked_by(l, p) * self.forces_n[p]).sum();
+                let pressed: f64 = (0..POINTS).map(|p| self.rocked_m_per_n[l][p] * self.forces_n[p]).sum();
                 self.coupling[k][l] * (rocks.drift_m + pressed)
             };
             dashpots_n[k] = -self.rocking().map(way).sum::<f64>();
@@ -441,9 +450,10 @@ impl Strings {
             let sounds = self.felts[felt].dashpots[kind].sounds;
             (all_n[0], all_n[1]) = (all_n[0] + sounds[0] * dashpots_n[k], all_n[1] + sounds[1] * dashpots_n[k]);
         }
+        // The drift is the mean if nothing presses the strings.
         let mean_m = self.bridge.as_ref().map(|bridge| {
-            let [vertical, horizontal] = bridge.free_n(&self.blocks);
-            bridge.mean_m(s_before_n, [vertical + all_n[0], horizontal + all_n[1]])
+            let [vertical, horizontal] = bridge.per_newton();
+            [self.drifts_m[0] + dot(vertical, all_n), self.drifts_m[1] + dot(horizontal, all_n)]
         });
         self.step_modes(self.forces_n[0]);
         self.press_felts();
@@ -481,7 +491,7 @@ impl Strings {
     /// By how much a newton at a place moves a dashpot in a step, m/N.
     fn rocked_by(&self, dashpot: usize, point: usize) -> f64 {
         let (felt, kind) = felt_of(dashpot);
-        let dashpot = &self.felts[felt].dashpots[kind];
+        let Some(dashpot) = self.felts.get(felt).and_then(|felt| felt.dashpots.get(kind)) else { return 0.0 };
         let [hammer, own] = dashpot.moved_by_m_per_n;
         let alone = match point {
             0 => hammer,
@@ -496,9 +506,22 @@ impl Strings {
 
     /// How much smaller the compliance of two places is in a step because dashpots are moved by it, m/N; where these
     /// hang together.
-    fn held_m_per_n(&self, a: usize, b: usize) -> f64 {
-        let of = |k: usize| -> f64 { self.rocking().map(|(l, _)| self.coupling[k][l] * self.rocked_by(l, b)).sum() };
-        self.rocking().map(|(k, _)| self.rocked_by(k, a) * of(k)).sum()
+    fn held(&self) -> Between {
+        let mut held = Between::default();
+        for (k, _) in self.rocking() {
+            let mut gives = [0.0; POINTS];
+            for (l, _) in self.rocking() {
+                for (gives, rocked) in gives.iter_mut().zip(self.rocked_m_per_n[l]) {
+                    *gives += self.coupling[k][l] * rocked;
+                }
+            }
+            for (row, rocked) in held.iter_mut().zip(self.rocked_m_per_n[k]) {
+                for (held, gives) in row.iter_mut().zip(gives) {
+                    *held += rocked * gives;
+                }
+            }
+        }
+        held
     }
 
     /// Where a mode stands under the forces that are set, m. `bridge_m`: with the bridge there.
@@ -545,6 +568,7 @@ impl Strings {
     fn settle(&mut self) {
         let [bridge_m, bridge_n] = self.bridge_stands();
         let mut all_j = self.bridge.as_ref().map_or(0.0, |bridge| bridge.trembles_j(bridge_n));
+        let mut stopped = false;
         for i in 0..self.modes.len() {
             let mode = self.modes[i];
             let rest = self.rest_of(&mode, bridge_m);
@@ -552,6 +576,7 @@ impl Strings {
             let (q, v) = (block.q[place] - rest, block.v[place]);
             let own_j = 0.5 * (mode.mass_kg * v * v + mode.stiffness_n_per_m * q * q);
             if own_j < MODE_STILL_J {
+                stopped |= (block.q[place], block.v[place]) != (rest, 0.0);
                 (block.q[place], block.v[place]) = (rest, 0.0);
             }
             all_j += own_j;
@@ -559,6 +584,9 @@ impl Strings {
         if all_j < STILL_J {
             self.still = true;
             self.stand();
+        } else if stopped && self.is_joint() {
+            // What the next step starts from is a function of the state, as a saved one has it.
+            self.update_surfaces();
         }
     }
 }

@@ -86,6 +86,7 @@ impl Strings {
                 bridge: self.bridge.take(),
                 compliance_m_per_n: self.compliance_m_per_n,
                 sounds: self.sounds,
+                rocked_m_per_n: self.rocked_m_per_n,
             })
         });
         self.make_modes(apart_s);
@@ -103,6 +104,7 @@ impl Strings {
         std::mem::swap(&mut self.bridge, &mut other.bridge);
         std::mem::swap(&mut self.compliance_m_per_n, &mut other.compliance_m_per_n);
         std::mem::swap(&mut self.sounds, &mut other.sounds);
+        std::mem::swap(&mut self.rocked_m_per_n, &mut other.rocked_m_per_n);
         self.go_on_from(&other.blocks, other.bridge.as_ref());
         self.other = Some(other);
     }

@@ -86,13 +86,13 @@ impl Surfaces for Strings {
             let mut free = alone + dot(self.sounds[index], self.drifts_m);
             for (k, _) in self.rocking() {
                 let held_n: f64 = self.rocking().map(|(l, rocks)| self.coupling[k][l] * rocks.drift_m).sum();
-                free -= self.rocked_by(k, index) * held_n;
+                free -= self.rocked_m_per_n[k][index] * held_n;
             }
-            return Surface { displacement, free, compliance: compliance - self.held_m_per_n(index, index) };
+            return Surface { displacement, free, compliance: compliance - self.held_m_per_n[index][index] };
         }
         let mut free = alone;
         for (k, rocks) in self.rocking() {
-            let rocked = self.rocked_by(k, index);
+            let rocked = self.rocked_m_per_n[k][index];
             free -= rocked * rocks.stiff_n_per_m * rocks.drift_m;
             compliance -= rocked * rocks.stiff_n_per_m * rocked;
         }
@@ -107,14 +107,14 @@ impl Surfaces for Strings {
             if self.is_joint() {
                 for (a, row) in compliance.iter_mut().enumerate().take(1 + self.felts.len()) {
                     for (b, gives) in row.iter_mut().enumerate().take(1 + self.felts.len()).filter(|(b, _)| *b != a) {
-                        *gives -= self.held_m_per_n(a, b);
+                        *gives -= self.held_m_per_n[a][b];
                     }
                 }
                 return if self.felts.is_empty() { 0 } else { 1 + self.felts.len() };
             }
             for (k, rocks) in self.rocking() {
                 let (felt, _) = felt_of(k);
-                let less = self.rocked_by(k, 0) * rocks.stiff_n_per_m * self.rocked_by(k, 1 + felt);
+                let less = self.rocked_m_per_n[k][0] * rocks.stiff_n_per_m * self.rocked_m_per_n[k][1 + felt];
                 compliance[0][1 + felt] -= less;
                 compliance[1 + felt][0] -= less;
             }
