@@ -87,7 +87,7 @@ impl<L: Listen> Listen for Unseen<'_, L> {
     fn note(&mut self, event: Event) {
         self.listen.note(match event {
             Event::Off { time_s, .. } => Event::Off { time_s, release_m_per_s: None },
-            // A hammer that was on the string when its note was ended, and is told when it leaves: a key's events do
+            // A hammer that was on the string when its note was ended is reported when it leaves: a key's events do
             // not go back in time.
             Event::On { time_s, hammer_speed_m_per_s } => {
                 Event::On { time_s: time_s.max(self.ended_s), hammer_speed_m_per_s }
