@@ -202,7 +202,7 @@ fn wrong(cell: Cell, seeds: std::ops::Range<u64>, deviations: f64) -> (Vec<Strin
             wrong.push(format!("{cell:?}, {name}: {share:.3}, {length:.2}"));
         }
     }
-    print!("{text}  all four: {:.1} % within\n", 100.0 * counts.joint as f64 / answered as f64);
+    println!("{text}  all four: {:.1} % within", 100.0 * counts.joint as f64 / answered as f64);
     (wrong, shares)
 }
 
