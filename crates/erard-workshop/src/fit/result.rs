@@ -8,7 +8,7 @@ use super::doubt::Doubt;
 use super::drive_noise::{DISTURBED, DriveNoise};
 use super::problem::ResidualBlock;
 use super::simulator::Simulator;
-use super::{FitParameter, NoiseModel};
+use super::{FitError, FitParameter, NoiseModel};
 
 /// A bench quantity set by a parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +46,7 @@ pub struct FitResult {
     /// the correlation of their noise ([`FitResult::independent_samples`]).
     pub std: Vec<f64>,
     /// Half widths of the 95 % intervals of `x`: Student's, because the estimates of the noise and of its correlation
-    /// scatter. NaN if `std` is.
+    /// scatter, and as wide as a model that bends needs. NaN if `std` is.
     pub half_width_95: Vec<f64>,
     /// Number of independent samples that have as precise a mean as the compared ones: fewer if noise is correlated.
     /// Errors need ten of them for every parameter and delay.
@@ -150,6 +150,8 @@ const CORRELATED: f64 = 0.5;
 /// Largest number of parameters named per direction, and their smallest share of the largest component.
 const MAX_NAMED: usize = 4;
 const MIN_SHARE: f64 = 0.3;
+/// An interval is enlarged by this factor at most.
+const MOST_BENT: f64 = 2.0;
 
 impl FitResult {
     /// Makes the result, without doubts and meanings, from the end of a search.
@@ -263,6 +265,47 @@ impl FitResult {
             parameters,
             noise,
         }
+    }
+
+    /// Enlarges every interval up to where the recordings speak against its ends as much as against those of a straight
+    /// model. A parameter's two ends, the others moved with it as their covariance says, are played: the sum of squares
+    /// rises there by less than the Jacobian predicts if the model bends. An end that is out of bounds or cannot be
+    /// played says nothing.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub(super) fn bend(&mut self, simulator: &mut Simulator<'_>, end: &Conclusion) -> Result<(), FitError> {
+        if !self.has_errors() {
+            return Ok(());
+        }
+        let problem = simulator.problem();
+        let ends: Vec<(usize, Vec<f64>)> = (0..self.std.len())
+            .flat_map(|k| [-1.0, 1.0].map(|side| (k, side)))
+            .map(|(k, side)| {
+                let by = side * self.half_width_95[k] / self.std[k] / self.solver_cov[k][k].sqrt();
+                (k, (0..self.point.len()).map(|i| by * self.solver_cov[i][k]).collect())
+            })
+            .collect();
+        let at = |moved: &[f64]| -> Vec<f64> { self.point.iter().zip(moved).map(|(p, by)| p + by).collect() };
+        let points: Vec<Vec<f64>> = ends.iter().map(|(_, moved)| at(moved)).collect();
+        let readings = simulator.play(&points)?;
+        let straight_widths = self.half_width_95.clone();
+        for (((k, moved), point), readings) in ends.iter().zip(&points).zip(&readings) {
+            let mut within = point.clone();
+            problem.clamp(&mut within);
+            let played = self.noise.residuals(problem, point, readings);
+            if within != *point || played.iter().any(|x| !x.is_finite()) {
+                continue;
+            }
+            let straight = times(&end.jacobian, moved);
+            let predicted = dot(&straight, &straight);
+            let rise =
+                dot(&played, &played) - dot(&end.residuals, &end.residuals) - 2.0 * dot(&end.residuals, &straight);
+            let bent = (predicted / rise.max(f64::MIN_POSITIVE)).sqrt().clamp(1.0, MOST_BENT);
+            self.half_width_95[*k] = self.half_width_95[*k].max(bent * straight_widths[*k]);
+        }
+        self.evaluations = simulator.evaluations();
+        Ok(())
     }
 
     /// Returns the reduced chi2 and its expected value for a true model. `None` if a channel's noise was estimated from

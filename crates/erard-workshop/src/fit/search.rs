@@ -238,6 +238,7 @@ impl<'a, 's, 'p> Search<'a, 's, 'p> {
         };
         let simulator = self.objective.simulator;
         let mut result = FitResult::new(simulator, &conclusion, &drive_noise);
+        result.bend(simulator, &conclusion)?;
         result.doubts = doubts(simulator, &result, &conclusion.jacobian, &drive_noise)?;
         result.meanings = meanings(simulator, &result)?;
         Ok(result)

@@ -273,6 +273,20 @@ fn fits_of_62_ms_are_linear_and_unbiased() {
     }
 }
 
+/// An estimate of the friction two deviations below the truth. The slopes there promise smaller errors than those at
+/// the truth, because the model bends; the interval's end is played, and moves out. The let-off's does not bend.
+#[test]
+fn intervals_reach_as_far_as_a_model_that_bends_asks() {
+    let (clean, names) = (clean(62e-3), names());
+    let mut asks = quiet(&names);
+    asks.plan.restarts = 0;
+    let (problem, noise) = problem(&noisy(&clean, 0.4e-3, 1035), &asks).unwrap();
+    let found = erard_workshop::fit::fit(&mut simulator(&problem), &all_unknown(noise), &asks.plan).unwrap();
+    let wide: Vec<f64> = found.half_width_95.iter().zip(&found.std).map(|(half, std)| half / std).collect();
+    println!("{:?}, {wide:?} standard deviations", found.x);
+    assert!((1.96..2.1).contains(&wide[3]) && wide[1] > 1.05 * wide[3], "{wide:?}");
+}
+
 /// Noise so slow that 62 ms are a few samples: no error, and how long a recording would do.
 #[test]
 fn too_short_a_recording_has_no_errors() {
