@@ -279,22 +279,24 @@ impl FitResult {
             return Ok(());
         }
         let problem = simulator.problem();
-        let ends: Vec<(usize, Vec<f64>)> = (0..self.std.len())
-            .flat_map(|k| [-1.0, 1.0].map(|side| (k, side)))
-            .map(|(k, side)| {
-                let by = side * self.half_width_95[k] / self.std[k] / self.solver_cov[k][k].sqrt();
-                (k, (0..self.point.len()).map(|i| by * self.solver_cov[i][k]).collect())
-            })
-            .collect();
-        let at = |moved: &[f64]| -> Vec<f64> { self.point.iter().zip(moved).map(|(p, by)| p + by).collect() };
-        let points: Vec<Vec<f64>> = ends.iter().map(|(_, moved)| at(moved)).collect();
-        let readings = simulator.play(&points)?;
-        let straight_widths = self.half_width_95.clone();
-        for (((k, moved), point), readings) in ends.iter().zip(&points).zip(&readings) {
+        // Of every end its parameter, how far it is moved, and its point.
+        let mut ends: Vec<(usize, Vec<f64>, Vec<f64>)> = Vec::with_capacity(2 * self.std.len());
+        for (k, side) in (0..self.std.len()).flat_map(|k| [(k, -1.0), (k, 1.0)]) {
+            let by = side * self.half_width_95[k] / self.std[k] / self.solver_cov[k][k].sqrt();
+            let moved: Vec<f64> = self.solver_cov.iter().map(|row| by * row[k]).collect();
+            let point: Vec<f64> = self.point.iter().zip(&moved).map(|(p, by)| p + by).collect();
             let mut within = point.clone();
             problem.clamp(&mut within);
+            if within == point {
+                ends.push((k, moved, point));
+            }
+        }
+        let points: Vec<Vec<f64>> = ends.iter().map(|(.., point)| point.clone()).collect();
+        let readings = simulator.play(&points)?;
+        let straight_widths = self.half_width_95.clone();
+        for ((k, moved, point), readings) in ends.iter().zip(&readings) {
             let played = self.noise.residuals(problem, point, readings);
-            if within != *point || played.iter().any(|x| !x.is_finite()) {
+            if played.iter().any(|x| !x.is_finite()) {
                 continue;
             }
             let straight = times(&end.jacobian, moved);

@@ -411,8 +411,8 @@ const OTHER_SCORE: f64 = -0.35;
 const LARGEST: f64 = 0.9;
 const LARGEST_SCORE: f64 = -0.2;
 
-/// Instruments whose leverage and strike weight are not the usual ones: no work is named that would be wrong, and some
-/// of what is out is named first.
+/// Instruments whose leverage and strike weight are not the usual ones: every cause that is named is planted or
+/// follows from one; nine keys of ten with a planted cause get one.
 #[test]
 #[ignore = "ci: 40 keys diagnosed"]
 fn no_wrong_work_on_other_leverages_and_hammers() {
