@@ -109,7 +109,13 @@ fn set_aside(stage: &Path, folder: &Path, name: &str) -> io::Result<()> {
     let (old, place) = (stage.join(OLD).join(name), folder.join(name));
     match place.symlink_metadata() {
         Ok(found) if found.is_dir() => Err(io::Error::from(io::ErrorKind::IsADirectory)),
-        Ok(_) if old.symlink_metadata().is_err() => fs::rename(place, old),
+        // Another command may have set it aside meanwhile.
+        Ok(_) if old.symlink_metadata().is_err() => unless_gone(fs::rename(place, old)),
         _ => Ok(()),
     }
+}
+
+/// A result, or none where what it was about has gone meanwhile.
+pub(super) fn unless_gone(result: io::Result<()>) -> io::Result<()> {
+    result.or_else(|error| if error.kind() == io::ErrorKind::NotFound { Ok(()) } else { Err(error) })
 }

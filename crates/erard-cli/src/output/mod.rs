@@ -210,26 +210,36 @@ impl Output {
         let folder = self.folder.clone();
         let refused = |source| Failure::write(&folder, source);
         let place = Place { folder: &folder, command: self.command, force: self.force, inputs: &session.inputs };
-        place.check(&self.names)?;
-        let whole = self.stage.is_beside() && (place.is_whole() || !folder.exists());
-        if let Some(command) = self.command {
-            let before = Mark::read(&folder);
-            let made_folder = whole || before.as_ref().is_some_and(|mark| mark.made_folder);
-            let mark = Mark::with(before, made_folder, command, &self.names);
-            mark.write(&self.stage.results().join(mark::NAME)).map_err(refused)?;
-        }
-        if whole {
-            self.stage.take_the_place_of(&folder).map_err(refused)?;
-        } else {
-            if self.stage.is_beside() {
-                // Something of the user's has come into the folder since.
-                self.stage = Stage::moved_into(&folder, &self.stage).map_err(refused)?;
+        loop {
+            place.check(&self.names)?;
+            let whole = self.stage.is_beside() && (place.is_whole() || !folder.exists());
+            if let Some(command) = self.command {
+                let before = Mark::read(&folder);
+                let made_folder = whole || before.as_ref().is_some_and(|mark| mark.made_folder);
+                let mark = Mark::with(before, made_folder, command, &self.names);
+                mark.write(&self.stage.results().join(mark::NAME)).map_err(refused)?;
             }
-            let mut install = self.names.clone();
-            install.extend(self.command.map(|_| mark::NAME.to_owned()));
-            let remove = place.stale(&self.names);
-            journal::publish(self.stage.path(), &folder, &install, &remove)
-                .map_err(|(name, source)| Failure::write(&folder.join(name), source))?;
+            if whole {
+                match self.stage.take_the_place_of(&folder) {
+                    // Another command has made the folder since it was looked at.
+                    Err(error) if error.kind() == std::io::ErrorKind::DirectoryNotEmpty => {
+                        let _ = fs::remove_file(self.stage.results().join(mark::NAME));
+                        continue;
+                    }
+                    placed => placed.map_err(refused)?,
+                }
+            } else {
+                if self.stage.is_beside() {
+                    // Something of the user's has come into the folder since.
+                    self.stage = Stage::moved_into(&folder, &self.stage).map_err(refused)?;
+                }
+                let mut install = self.names.clone();
+                install.extend(self.command.map(|_| mark::NAME.to_owned()));
+                let remove = place.stale(&self.names);
+                journal::publish(self.stage.path(), &folder, &install, &remove)
+                    .map_err(|(name, source)| Failure::write(&folder.join(name), source))?;
+            }
+            break;
         }
         self.stage.keep_parents();
         Ok(Written { folder, names: std::mem::take(&mut self.names) })

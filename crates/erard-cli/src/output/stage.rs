@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use super::exchange::exchange;
-use super::journal::{self, OLD};
+use super::journal::{self, OLD, unless_gone};
 use crate::stages::{LOCK, Stages, remove_empty};
 
 /// How its name ends: a user's folder is not likely to be called so, and what a stage does not hold is checked too.
@@ -154,12 +154,13 @@ pub(crate) fn recover(folder: &Path) -> io::Result<()> {
         if old.exists() && !folder.exists() {
             fs::rename(&old, folder)?;
         }
-        fs::remove_dir_all(&stage)?;
+        // Its process may be about to do the same.
+        unless_gone(fs::remove_dir_all(&stage))?;
     }
     for stage in stages(folder, WITHIN) {
         let Some(_lock) = take_over(&stage) else { continue };
         journal::recover(&stage, folder)?;
-        fs::remove_dir_all(&stage)?;
+        unless_gone(fs::remove_dir_all(&stage))?;
     }
     Ok(())
 }

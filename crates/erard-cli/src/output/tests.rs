@@ -100,6 +100,32 @@ fn among_others() {
     assert_eq!(held(&own), files(&[("a", "2"), ("note", "mine")]));
 }
 
+/// Commands that run side by side write into one folder: files of their own, one that they share, and results.
+#[test]
+fn side_by_side() {
+    let root = root();
+    let folder = root.path();
+    std::thread::scope(|scope| {
+        for n in 0..4 {
+            scope.spawn(move || {
+                for _ in 0..50 {
+                    let own = format!("{n}.csv");
+                    for name in [own.as_str(), "shared.csv"] {
+                        let mut output = Output::files(&Session::silent(), folder, true, &[name]).unwrap();
+                        write(&mut output, name, name).unwrap();
+                        output.commit(&Session::silent()).unwrap();
+                    }
+                    put(&folder.join("out"), "press", false, &[("a", "1"), ("b", "2")]).unwrap();
+                }
+            });
+        }
+    });
+    let mut all: Vec<(String, String)> = (0..4).map(|n| (format!("{n}.csv"), format!("{n}.csv"))).collect();
+    all.extend(files(&[("out", "a folder"), ("shared.csv", "shared.csv")]));
+    assert_eq!(held(folder), all);
+    assert_eq!(held(&folder.join("out")), files(&[("a", "1"), ("b", "2")]));
+}
+
 /// What another command wrote, and what nobody knows, is replaced when that is asked for only.
 #[test]
 fn results_do_not_mix() {
