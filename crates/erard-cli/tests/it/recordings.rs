@@ -186,7 +186,7 @@ fn traces_that_are_wrong_are_noticed() {
     folder.file("late.csv", &clean(0.004, 0.0));
     let said = compare(&["late.csv"]);
     let words = Folder::words(&said);
-    assert!(words.contains("comes 4.0") && words.contains("earlier than the measured"), "{said}");
+    assert!(words.contains("comes 4.0") && words.contains("earlier than measured"), "{said}");
     let said = compare(&["late.csv", "--delay", "position=4ms"]);
     assert!(!Folder::words(&said).contains("one clock"), "{said}");
     assert!(explained(&report(&folder), "force", "action", "position").unwrap() > 0.9999);

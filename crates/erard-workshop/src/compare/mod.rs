@@ -561,11 +561,18 @@ impl Comparison {
             }
             if let Some((trial, hammer)) = trials.iter().find_map(|trial| Some((*trial, trial.hammer_errors.as_ref()?)))
             {
-                verdicts.push(format!(
-                    "{name}{}: the action explains {} of the hammer's variance",
-                    up_to(trial.hammer_told_to_hz),
-                    share(hammer.explained, 1)
-                ));
+                let (limit, explained) = (up_to(trial.hammer_told_to_hz), share(hammer.explained, 1));
+                match verdicts.last_mut().filter(|_| !told.is_empty()) {
+                    // One sentence for a drive.
+                    Some(verdict) => {
+                        let limit = if trial.hammer_told_to_hz == first.told_to_hz { String::new() } else { limit };
+                        verdict.push_str(&format!("; the action explains {explained} of the hammer's{limit}"));
+                    }
+                    None => {
+                        verdicts
+                            .push(format!("{name}{limit}: the action explains {explained} of the hammer's variance"));
+                    }
+                }
             }
         }
         verdicts
@@ -573,7 +580,7 @@ impl Comparison {
 
     /// Warnings about the recording: an inverted trace, an offset, or a delay.
     pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
+        let (mut warnings, mut delays) = (Vec::new(), Vec::new());
         for (what, unit, driven) in [
             ("position", ("mm", 1e3), &[Prescribed::Force][..]),
             ("force", ("N", 1.0), &[Prescribed::Rigid, Prescribed::Motion]),
@@ -603,12 +610,12 @@ impl Comparison {
             let shifted = errors::correlation(measured, simulated, (errors.delay_s * RATE_HZ).round() as isize);
             let together = errors::correlation(measured, simulated, 0);
             if errors.delay_s.abs() > 1e-3 && shifted > 0.5 && 1.0 - shifted < 0.5 * (1.0 - together) {
-                warnings.push(format!(
-                    "the simulated {what} comes {:.2} ms {} than the measured one: are all channels on one clock?",
-                    errors.delay_s.abs() * 1e3,
-                    if errors.delay_s > 0.0 { "later" } else { "earlier" }
-                ));
+                let when = if errors.delay_s > 0.0 { "later" } else { "earlier" };
+                delays.push(format!("the simulated {what} comes {:.2} ms {when}", errors.delay_s.abs() * 1e3));
             }
+        }
+        if !delays.is_empty() {
+            warnings.push(format!("{} than measured: are all channels on one clock?", delays.join(", ")));
         }
         warnings
     }
