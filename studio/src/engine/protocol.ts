@@ -130,7 +130,7 @@ export interface Check {
 export interface Regulated {
   all_met: boolean;
   goals: { goal: string; unit: string; asked: number; before: number | null; after: number | null; met: boolean; why_not: string | null }[];
-  screws: { screw: string; unit: string; from: number; to: number; turned_by: number; turns: number | null; way: string }[];
+  screws: { screw: string; unit: string; from: number; to: number; turned_by: number; turns: number | null; turns_text: string | null; way: string }[];
   file: string;
 }
 

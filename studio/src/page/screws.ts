@@ -231,26 +231,18 @@ const byName = (app: App): HTMLElement => {
   return h("details", { id: "any" }, named(h("summary"), "screws.any"), form);
 };
 
-/** Turns of a thread in eighths, as the command prints them: `3/8 turn`. */
-const inEighths = (turns: number): string => {
-  const eighths = Math.round(8 * Math.abs(turns));
-  if (eighths < 1) return "less than 1/8 turn";
-  const part = ["", "1/8", "1/4", "3/8", "1/2", "5/8", "3/4", "7/8"][eighths % 8]!, whole = Math.floor(eighths / 8);
-  return `${[whole || "", part].filter((one) => one !== "").join(" ")} turn${eighths > 8 ? "s" : ""}`;
-};
-
 /** The log of a regulation. */
 const told = (done: Regulated, dials: Dial[]): HTMLElement[] => {
-  const turns = done.screws.map(({ screw, unit, from, to, turned_by, turns: threads, way }) => {
+  const turns = done.screws.map(({ screw, unit, from, to, turned_by, turns_text, way }) => {
     const dial = dials.find(({ name }) => name === screw);
     // As the panel beside it shows the screw: from where the file has it.
     const place = (value: number) => (dial ? text(dial, value) : fixed(value, 2)).replace("-", "\u2212");
-    const by = threads === null ? "" : `, ${inEighths(threads)}`;
+    const by = turns_text === null ? "" : `, ${turns_text}`;
     return h("li", {}, `${dial?.label ?? screw.replaceAll("_", " ")}: ${place(from)} to ${place(to)} ${unit}, ${way} by ${fixed(Math.abs(turned_by), 2)} ${unit}${by}`);
   });
   const missed = done.goals.filter(({ met }) => !met).map(({ goal, asked, after, unit, why_not }) => h("li", { class: "bad" }, `${goal}: asked ${fixed(asked, 2)} ${unit}, there is ${fixed(after, 2)} ${unit}${why_not ? `: ${why_not}` : ""}`));
   return [
-    h("p", {}, done.goals.length === 0 ? "Every distance with a screw is in its usual range: nothing is turned." : done.all_met ? "What was out of its usual range is at the trade\u2019s norm, all else as it was. What was turned:" : "Regulated as far as the screws allow. What was turned:"),
+    h("p", {}, done.goals.length === 0 ? "Every distance with a screw is in its usual range: nothing is turned. What is red has no screw; \u201cDiagnose\u201d finds its cause." : done.all_met ? "What was out of its usual range is at the trade\u2019s norm, all else as it was. What was turned:" : "Regulated as far as the screws allow. What was turned:"),
     ...(turns.length ? [h("ol", {}, ...turns)] : []),
     ...(missed.length ? [h("p", {}, "What was missed:"), h("ul", {}, ...missed)] : []),
   ];

@@ -277,4 +277,5 @@ fn what_must_follow_is_said_and_follows() {
     let screw = &report["screws"][0];
     let (by, turns) = (screw["turned_by"].as_f64().unwrap(), screw["turns"].as_f64().unwrap());
     assert!((turns * 0.65 - by).abs() < 1e-9, "{report}");
+    assert!(table.contains(screw["turns_text"].as_str().unwrap()), "{report}: {table}");
 }

@@ -3,7 +3,7 @@
 use erard::instrument::RewriteError;
 use serde_json::{Value, json};
 
-use super::{Achieved, Goal, Handwork, Miss, Regulated, Turned, known_screw, show, unit};
+use super::{Achieved, Goal, Handwork, Miss, Regulated, Turned, known_screw, show, turns_text, unit};
 use crate::distances::Distances;
 
 impl Regulated {
@@ -32,7 +32,16 @@ impl Regulated {
                 Some(Handwork::Thread(pitch_m)) => Some(by / factor / pitch_m),
                 _ => None,
             };
-            json!({"screw": turned.name, "unit": unit, "from": from, "to": to, "turned_by": by, "turns": turns, "way": turned.way})
+            json!({
+                "screw": turned.name,
+                "unit": unit,
+                "from": from,
+                "to": to,
+                "turned_by": by,
+                "turns": turns,
+                "turns_text": turns.map(turns_text),
+                "way": turned.way,
+            })
         });
         json!({
             "instrument": self.instrument.name,
