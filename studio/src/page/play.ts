@@ -46,7 +46,16 @@ export const playPanel = (app: App, into: HTMLElement): void => {
     event.preventDefault();
     if (!event.repeat) app.push(app.state.force);
   });
-  press.addEventListener("keyup", () => app.push(0));
+  press.addEventListener("keyup", (event) => {
+    event.preventDefault();
+    app.push(0);
+  });
+  // A switch or a reader of the screen clicks without a pointer.
+  press.addEventListener("click", ({ detail }) => {
+    if (detail !== 0) return;
+    app.push(app.state.force);
+    setTimeout(() => app.push(0), 250);
+  });
 
   const strokes = h("div", { class: "strokes", role: "group", "aria-label": "Built-in strokes" });
   for (const struck of [false, true]) {
