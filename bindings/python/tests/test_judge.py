@@ -203,3 +203,19 @@ def test_the_table_of_the_book(tmp_path: Path) -> None:
     assert fast["erard"]["false"] + fast["erard"]["doubled"] > 10
     # Below pp it is worse than two points and the slope.
     assert all(fast["erard"]["softer_rms_counts"] > fast[name]["softer_rms_counts"] for name in ("two-points", "slope"))
+
+
+@pytest.mark.nightly
+def test_the_tables_of_boards(tmp_path: Path) -> None:
+    """`benchmarks/boards.py` on one grand, contacts at 3 and 6.5 mm scanned each millisecond: what docs/notes/live.md says of them, also with jitter and
+    bounces."""
+    script = Path(__file__).parents[1] / "benchmarks" / "boards.py"
+    told = subprocess.run([sys.executable, str(script), "--erard", command(), "--quick", "--out", str(tmp_path)], check=True, capture_output=True, text=True)
+    heads, _, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in told.stdout.splitlines())
+    assert [row[1:4] for row in rows] == [["1000", "0", "0"], ["1000", "50", "2"]]
+    for row in rows:
+        cells = {head.rsplit(" (", 1)[0]: cell.split(", ") for head, cell in zip(heads[4:], row[4:], strict=True)}
+        # Missed and false notes: none but where a key does not come back to its upper contact.
+        assert all(cells[group][:2] == ["0", "0"] for group in ("plain strokes", "bobbling", "silent, half strokes")), cells
+        assert all(int(cells[group][0]) > 0 and cells[group][1] == "0" for group in ("half-way", "trill")), cells
+        assert 3.0 < float(cells["plain strokes"][2]) < 7.0, cells
