@@ -96,14 +96,16 @@ impl WeighOptions {
             let why = "no key has both a down-weight and an up-weight; expected --target balance=38g";
             return Err(Failure::Usage(format!("{file}: {why}")));
         };
-        let sample: Vec<(&BalancedKey, _)> = spread(&list, self.checked_keys)
+        let sample: Vec<(BalancedKey, Instrument)> = spread(&list, self.checked_keys)
             .into_iter()
-            .map(|key| (key, instruments[key.measured.key - 1].clone()))
+            .map(|key| {
+                let instrument = instruments[key.measured.key - 1].clone();
+                (key, instrument)
+            })
             .collect();
         progress.say("checking");
         let rest = if self.simulate_work { 0.2 } else { 0.7 };
         let checked = check(&sample, &mut |share| progress.tell(0.3 + rest * share)).map_err(failed)?;
-        drop(sample);
         list.plan.withhold(&checked);
         let weighed_again = if self.simulate_work {
             progress.say("carrying out");
@@ -260,19 +262,28 @@ fn headlines(answer: &Value) -> Vec<String> {
     lines
 }
 
-/// So many keys that leads would do something to, spread over those that were weighed.
-fn spread(list: &KeyboardList, count: usize) -> Vec<&BalancedKey> {
-    let able = |key: &&BalancedKey| {
-        let is_off = key.front_change_g.is_some_and(|by_g| by_g != 0.0);
-        is_off
-            && key.balance_weight_g.is_some()
-            && key.measured.front_weight_g.is_some()
-            && !KeyboardList::is_friction_out(key)
+/// So many keys whose work is checked, spread over those that were weighed: of a key that waits for leverage the
+/// common move of the capstan line is, of others what leads, hammer or capstan would do.
+fn spread(list: &KeyboardList, count: usize) -> Vec<BalancedKey> {
+    let to_check = |key: &BalancedKey| {
+        if KeyboardList::is_friction_out(key) || key.balance_weight_g.is_none() || key.measured.front_weight_g.is_none()
+        {
+            return None;
+        }
+        match &list.leverage {
+            Some(out) if list.waits(key) => Some(BalancedKey {
+                leads: None,
+                strike_change_g: None,
+                capstan_move_mm: Some(out.capstan_move_mm),
+                ..key.clone()
+            }),
+            _ => key.front_change_g.is_some_and(|by_g| by_g != 0.0).then(|| key.clone()),
+        }
     };
-    let able: Vec<&BalancedKey> = list.plan.keys.iter().filter(able).collect();
+    let able: Vec<BalancedKey> = list.plan.keys.iter().filter_map(to_check).collect();
     let count = count.min(able.len());
     (0..count)
         .filter_map(|k| able.get(if count > 1 { k * (able.len() - 1) / (count - 1) } else { able.len() / 2 }))
-        .copied()
+        .cloned()
         .collect()
 }

@@ -29,7 +29,7 @@ pub(crate) fn weighed_picture(work: &Work<'_>) -> Picture {
         Trace::new(label, &all, (1..=KEYS).map(of).collect::<Vec<f64>>(), 6, Dash::Dashed)
     };
     // What is to be weighed again first has no weights to come.
-    let waits = KeyboardList::is_friction_out;
+    let waits = |key: &BalancedKey| work.list.waits(key);
     let curves = &plan.curves;
     let mut inertia = vec![
         points("as weighed", 0, &|key| key.inertia_kg),

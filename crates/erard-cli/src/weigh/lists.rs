@@ -60,6 +60,16 @@ pub(super) fn sections<'w>(work: &'w Work<'_>) -> Vec<Section<'w>> {
     sections.into_iter().filter(|section| !section.lines.is_empty()).collect()
 }
 
+/// What to say where no key has a line; `None` where one has, or where leverage comes first.
+pub(super) fn nothing_to_do(work: &Work<'_>) -> Option<&'static str> {
+    let list = work.list;
+    match (list.lines.is_empty() && list.leverage.is_none(), list.left.is_empty()) {
+        (true, true) => Some("Nothing to do."),
+        (true, false) => Some("Nothing to do by leads."),
+        (false, _) => None,
+    }
+}
+
 fn heading(operation: Operation) -> &'static str {
     match operation {
         Operation::Friction => {

@@ -3,7 +3,7 @@
 use maud::html;
 
 use super::Work;
-use super::lists::{readings, remarks, sections, stays};
+use super::lists::{nothing_to_do, readings, remarks, sections, stays};
 use super::table::checked_lines;
 use crate::paper::{page, picture};
 
@@ -27,7 +27,7 @@ pub(crate) fn html(work: &Work<'_>, figure: &str) -> String {
         }
         @if let Some(note) = &page_header.note { p.note { (note) } }
         @for remark in remarks(work) { p { (remark) } }
-        @if sections.is_empty() { p { "Nothing to do." } }
+        @if let Some(nothing) = nothing_to_do(work) { p { (nothing) } }
         @for (at, section) in sections.iter().enumerate() {
             h2 { (at + 1) ". " (section.heading) }
             div.wide { table.list { (section.table(work, Some(("done", "☐"))).html()) } }

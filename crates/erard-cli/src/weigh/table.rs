@@ -51,18 +51,24 @@ pub(crate) fn table(work: &Work<'_>) -> Table<'static> {
         ("target_strike_weight_g", |key| key.target_strike_weight_g),
         ("target_front_weight_g", |key| key.target_front_weight_g),
     ];
-    const WORK: [Number; 7] = [
+    const WORK: [Number; 5] = [
         ("strike_weight_change_g", |key| key.strike_change_g),
         ("capstan_to_the_player_mm", |key| key.capstan_move_mm),
         ("assist_g", |key| key.measured.assist_g),
         ("assist_change_g", |key| key.assist_change_g),
         ("down_weight_without_assist_g", without_assist_g),
-        ("balance_weight_after_g", |key| key.after_balance_weight_g.filter(|_| !KeyboardList::is_friction_out(key))),
-        ("inertia_after_kg", |key| key.after_inertia_kg.filter(|_| !KeyboardList::is_friction_out(key))),
+    ];
+    // What is to be weighed again first has no weights to come.
+    const AFTER: [Number; 2] = [
+        ("balance_weight_after_g", |key| key.after_balance_weight_g),
+        ("inertia_after_kg", |key| key.after_inertia_kg),
     ];
     let keys = &work.list.plan.keys;
-    let numbers = |table: Table<'static>, (name, get): Number| {
-        table.optional(name, keys.iter().map(|key| get(key).map(|x| (x * 1e4).round() / 1e4)))
+    let rounded = |value: Option<f64>| value.map(|x| (x * 1e4).round() / 1e4);
+    let numbers =
+        |table: Table<'static>, (name, get): Number| table.optional(name, keys.iter().map(|key| rounded(get(key))));
+    let after = |table: Table<'static>, (name, get): Number| {
+        table.optional(name, keys.iter().map(|key| rounded(get(key).filter(|_| !work.list.waits(key)))))
     };
     let leads = |of: fn(&LeadWork) -> &Vec<Lead>| {
         let list = |key: &BalancedKey| {
@@ -81,7 +87,7 @@ pub(crate) fn table(work: &Work<'_>) -> Table<'static> {
     let apart = |key: &BalancedKey| key.apart.iter().map(|apart| apart.quantity).collect::<Vec<_>>().join(" ");
     let weighed = WEIGHED.into_iter().fold(start, numbers).words("sticks_out", keys.iter().map(apart));
     let led = weighed.words("leads_out", leads(|work| &work.out)).words("leads_in", leads(|work| &work.put));
-    WORK.into_iter().fold(led, numbers)
+    AFTER.into_iter().fold(WORK.into_iter().fold(led, numbers), after)
 }
 
 /// again.csv: the keys weighed again, with the columns that `--measured` reads.
@@ -150,7 +156,7 @@ pub(crate) fn report(work: &Work<'_>) -> Value {
         "leverage": list.leverage.as_ref().map(of_leverage),
         "target_inertia_kg": list.plan.target.inertia_kg,
         "hammers_first": list.plan.target.hammers,
-        "keys": list.plan.keys.iter().map(of_key).collect::<Value>(),
+        "keys": list.plan.keys.iter().map(|key| of_key(key, list.waits(key))).collect::<Value>(),
         "work": list.lines.iter().map(of_line).collect::<Value>(),
         "waits": list.left.iter().map(|(key, why)| json!({"key": key, "why": why_word(why)})).collect::<Value>(),
         "curves": (0..KEYS).map(curve).collect::<Value>(),
@@ -208,8 +214,7 @@ fn of_leads(work: &LeadWork) -> Value {
     })
 }
 
-fn of_key(key: &BalancedKey) -> Value {
-    let waits = KeyboardList::is_friction_out(key);
+fn of_key(key: &BalancedKey, waits: bool) -> Value {
     let apart = key.apart.iter().map(|apart| json!({"quantity": apart.quantity, "neighbours": apart.neighbours}));
     json!({
         "key": key.measured.key,

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use erard_workshop::balance::MeasuredKey;
 
 use super::Work;
-use super::lists::{readings, remarks, sections, stays};
+use super::lists::{nothing_to_do, readings, remarks, sections, stays};
 use super::table::checked_lines;
 use crate::table::{Table, decimal};
 
@@ -20,8 +20,7 @@ pub(crate) fn text(work: &Work<'_>) -> String {
     let _ = writeln!(out);
     say(&mut out, remarks(work));
     let sections = sections(work);
-    if sections.is_empty() {
-        let nothing = if work.list.left.is_empty() { "Nothing to do." } else { "Nothing to do by leads." };
+    if let Some(nothing) = nothing_to_do(work) {
         let _ = writeln!(out, "\n  {nothing}");
     }
     for (at, section) in sections.iter().enumerate() {

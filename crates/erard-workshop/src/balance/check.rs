@@ -33,7 +33,7 @@ pub struct Checked {
 ///
 /// # Errors
 /// See [`MeasureError`].
-pub fn check(keys: &[(&BalancedKey, Instrument)], progress: &mut Progress<'_>) -> Result<Vec<Checked>, MeasureError> {
+pub fn check(keys: &[(BalancedKey, Instrument)], progress: &mut Progress<'_>) -> Result<Vec<Checked>, MeasureError> {
     let each =
         cores::map(keys, cores::count(), progress, |(key, instrument), progress| check_key(key, instrument, progress))?;
     Ok(each.into_iter().flatten().collect())

@@ -129,6 +129,12 @@ impl KeyboardList {
         beyond_g(key).is_some_and(|by_g| by_g > FrictionWeight.precision() + untapped_g)
     }
 
+    /// Whether hammers and leads of a key wait for friction or leverage, after which it is weighed again.
+    #[must_use]
+    pub fn waits(&self, key: &BalancedKey) -> bool {
+        Self::is_friction_out(key) || self.leverage.as_ref().is_some_and(|out| out.keys.contains(&key.measured.key))
+    }
+
     /// Whether it is out of range by less than the reading's error.
     #[must_use]
     pub fn is_friction_doubtful(key: &BalancedKey) -> bool {
@@ -179,7 +185,7 @@ pub fn keyboard_list(measured: &[MeasuredKey], models: &[KeyModel; KEYS], goal: 
     let plan = plan(measured, models, target, &goal.leads_g);
     let (mut lines, mut left) = (Vec::new(), Vec::new());
     let leverage = leverage(&plan, goal.ratio);
-    let waits = |key: &BalancedKey| leverage.as_ref().is_some_and(|out| out.keys.contains(&key.measured.key));
+    let is_lever_out = |key: &BalancedKey| leverage.as_ref().is_some_and(|out| out.keys.contains(&key.measured.key));
     for key in &plan.keys {
         let of_key = lines_of(key);
         if KeyboardList::is_friction_out(key) {
@@ -189,7 +195,7 @@ pub fn keyboard_list(measured: &[MeasuredKey], models: &[KeyModel; KEYS], goal: 
             lines.extend(of_key.into_iter().filter(|line| line.operation == Operation::Friction));
             continue;
         }
-        if waits(key) {
+        if is_lever_out(key) {
             if !of_key.is_empty() || key.is_at_ceiling {
                 left.push((key.measured.key, Why::Leverage));
             }
