@@ -87,22 +87,14 @@ pub(super) fn assumed_key(work: &Work<'_>) -> Option<String> {
     Some(format!("No key was named: usual ranges are those of {}. Name yours with --key.", key(one)))
 }
 
-fn band(band: Option<Band>, unit: &str, decimals: usize) -> String {
-    match band {
-        Some(Band { low, high }) => format!("{low:.decimals$} to {high:.decimals$} {unit}").trim_end().to_owned(),
-        None => "left out".to_owned(),
-    }
-}
-
-/// What follows from the weights, a line each.
+/// What follows from the weights, a line each. A note tells what is missing where nothing follows.
 pub(super) fn geometry(diagnosis: &Diagnosis) -> Vec<String> {
     let of = &diagnosis.geometry;
-    let mut lines = vec![
-        format!("leverage: {}", band(of.ratio, "", 2)),
-        format!("inertia at the key: {}", band(of.inertia_kg, "kg", 2)),
-    ];
-    lines.extend(of.notes.iter().cloned());
-    lines
+    let line = |name: &str, band: Option<Band>, unit: &str| {
+        band.map(|Band { low, high }| format!("{name}: {low:.2} to {high:.2} {unit}").trim_end().to_owned())
+    };
+    let results = [line("leverage", of.ratio, ""), line("inertia at the key", of.inertia_kg, "kg")];
+    results.into_iter().flatten().chain(of.notes.iter().cloned()).collect()
 }
 
 /// What is diagnosed.

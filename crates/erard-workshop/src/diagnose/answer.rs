@@ -129,9 +129,14 @@ impl Diagnosis {
         let (friction, later): (Vec<&Ranked>, Vec<&Ranked>) =
             self.causes.iter().partition(|ranked| ranked.cause.order == FRICTION_ORDER);
         lines.extend(friction.into_iter().map(test));
-        let mut to_decide: Vec<String> =
-            self.open_question().map(|question| format!("{question}.")).into_iter().collect();
-        to_decide.extend(self.next.as_ref().map(|next| format!("Measure {} ({}) and enter it.", next.label, next.how)));
+        // The question itself is no work: it has its own heading.
+        let mut to_decide: Vec<String> = self
+            .next
+            .as_ref()
+            .map(|next| format!("Measure {} ({}) and enter it.", next.label, next.how))
+            .or_else(|| self.open_question().map(|question| format!("{question}.")))
+            .into_iter()
+            .collect();
         if self.weigh_again {
             lines.append(&mut to_decide);
             lines.push(format!(

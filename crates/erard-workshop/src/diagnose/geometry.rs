@@ -208,16 +208,17 @@ fn inertia(
         notes.push("inertia left out: it needs a strike weight".to_owned());
         return None;
     };
+    if front.is_none() && known.leads.is_empty() {
+        notes.push("inertia left out: it needs a front weight, or the leads by mass and place".to_owned());
+        return None;
+    }
     let ratio = ratio.unwrap_or_else(|| {
         notes.push("inertia with the usual leverage, 5.0 to 6.06, not this piano's".to_owned());
         let [low, high] = usual("strike_weight_ratio_weights").map_or([None; 2], |range| range.at(key));
         Band { low: low.unwrap_or(5.0), high: high.unwrap_or(6.06) }
     });
     let leads = if known.leads.is_empty() {
-        let Some(front) = front else {
-            notes.push("inertia left out: it needs a front weight, or the leads by mass and place".to_owned());
-            return None;
-        };
+        let front = front?;
         notes.push(format!(
             "the leads' places were not given: they are taken to stand at {} to {} of the key's front arm, so that the inertia is a band",
             LEADS_AT[0], LEADS_AT[1]
