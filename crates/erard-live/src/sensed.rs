@@ -86,9 +86,9 @@ impl<L: Listen> Unseen<'_, L> {
 impl<L: Listen> Listen for Unseen<'_, L> {
     fn note(&mut self, event: Event) {
         self.listen.note(match event {
-            Event::Off { time_s, .. } => Event::Off { time_s, release_m_per_s: None },
-            // A hammer that was on the string when its note was ended is reported when it leaves: a key's events do
-            // not go back in time.
+            // A hammer that was on the string when its note was ended is reported when it leaves, and a damper when it
+            // has landed: a key's events do not go back in time.
+            Event::Off { time_s, .. } => Event::Off { time_s: time_s.max(self.ended_s), release_m_per_s: None },
             Event::On { time_s, hammer_speed_m_per_s } => {
                 Event::On { time_s: time_s.max(self.ended_s), hammer_speed_m_per_s }
             }
