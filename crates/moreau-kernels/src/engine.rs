@@ -6,7 +6,7 @@ use core::cell::OnceCell;
 use moreau::{
     Accuracy, Contact, ControlledStep, Energies, GROUND, ImpactPredictor, Ledger, LossIn, Model, ModelError, Pose,
     SavedState, Settings, SiteHand, SiteInput, Sleep, State, StepOutcome, StepReport, TrackedPoint, Workspace,
-    step_out_of_line,
+    step_or_stay, step_out_of_line,
 };
 
 use crate::controlled::InputDuring;
@@ -252,8 +252,14 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
             self.velocity_before = self.state.velocity;
             self.hand = hand_of(input, &self.state);
             // A mechanism that moves is not copied: it does not fall asleep in this step.
-            let before = (self.may_rest && self.state.stays(settings.step)).then(|| self.state.clone());
-            let report = step_out_of_line(&self.model, settings, input, &mut self.state, workspace);
+            let before = self.state.stays(settings.step).then(|| self.state.clone());
+            let report = match &before {
+                // What lies under it must be as still, for the steps ahead to be those that would follow.
+                Some(before) if self.under.as_ref().is_none_or(|under| under.surfaces.rests()) => {
+                    step_or_stay(&self.model, settings, input, (before, &mut self.state), workspace)
+                }
+                _ => step_out_of_line(&self.model, settings, input, &mut self.state, workspace),
+            };
             if self.may_rest {
                 self.sleep.compare(before.as_ref(), &self.state, input, report);
             }

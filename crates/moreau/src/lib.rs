@@ -114,7 +114,7 @@ pub use pose::Pose;
 pub use real::{Aside, COSINE, Mask, Real, SINE, Scalar};
 pub use saved::SavedState;
 pub use settings::{FrictionLaw, Settings};
-pub use sleep::Sleep;
+pub use sleep::{Sleep, step_or_stay};
 pub use state::State;
 pub use step::{LanesReport, StepOutcome, StepReport, step, step_lanes, step_out_of_line};
 pub use surface::{COUPLED, Surface};

@@ -23,6 +23,46 @@ pub struct Sleep<T> {
     under: Option<(SiteInput<T>, StepReport)>,
 }
 
+/// Number of steps of the longest round after which a mechanism counts as standing ([`step_or_stay`]).
+const LONGEST_ROUND: usize = 3;
+
+/// Takes a step from `before`, of which `state` is a copy, except that a mechanism which only goes round stays in
+/// `before`. `before` is a state whose angles no step of this length changes ([`State::stays`]).
+///
+/// What slips at the limit of its friction settles at a speed that changes no angle. Rounding can make that speed
+/// alternate between two or three numbers for ever: all else being the same, they are one state, and the mechanism
+/// stays in the one that it is in. That is a function of state and input, like a step. Report and workspace are those
+/// of the step itself.
+#[cold]
+#[inline(never)]
+pub fn step_or_stay<T: Scalar, const B: usize, const Z: usize, const N: usize>(
+    model: &Model<T, B, Z>,
+    settings: &Settings<T>,
+    input: &SiteInput<T>,
+    (before, state): (&State<T, B, Z>, &mut State<T, B, Z>),
+    workspace: &mut Workspace<T, B, Z, N>,
+) -> StepReport {
+    let report = step_out_of_line(model, settings, input, state, workspace);
+    if before.identical(state) || !state.stays(settings.step) {
+        return report;
+    }
+    let (mut ahead, mut goes_round) = (state.clone(), false);
+    for _ in 1..LONGEST_ROUND {
+        step_out_of_line(model, settings, input, &mut ahead, workspace);
+        goes_round = before.identical(&ahead);
+        if goes_round || !ahead.stays(settings.step) {
+            break;
+        }
+    }
+    // Once more, for the workspace.
+    state.clone_from(before);
+    let report = step_out_of_line(model, settings, input, state, workspace);
+    if goes_round {
+        state.clone_from(before);
+    }
+    report
+}
+
 impl<T> Sleep<T> {
     /// Returns a record that is awake.
     pub const fn awake() -> Self {
