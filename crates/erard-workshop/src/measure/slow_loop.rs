@@ -5,6 +5,7 @@ use moreau::{Settings, StepOutcome};
 
 use super::MeasureError;
 use erard::Progress;
+use erard::mechanism::Halving;
 use erard::player::{AtRest, Input, motion};
 use erard::run::{Setup, SimulationError, simulate_at_rest};
 use erard::stroke::least_jerk;
@@ -58,6 +59,8 @@ pub fn slow_loop(action: &dyn AtRest, depth_m: f64, progress: &mut Progress<'_>)
         settings: Settings::new(STEP_S),
         record_every: Some(RECORD_EVERY),
         ledger: false,
+        // As for weights (`trial.rs`): nothing sounds.
+        halving: Halving::Never,
         ..Setup::new(2.0 * WAY_S + TURN_S)
     };
     let rest = action.pose(progress).map_err(SimulationError::from)?;
@@ -90,6 +93,7 @@ pub(crate) fn first_touch(
 ) -> Result<Option<(Vec<usize>, f64)>, MeasureError> {
     let settings = Settings::new(STEP_S);
     let mut action = action.pose(progress).and_then(|rest| rest.action(settings)).map_err(SimulationError::from)?;
+    action.halve(Halving::Never);
     let steps = (WAY_S / STEP_S).round() as u64;
     for n in 0..=steps {
         if n.is_multiple_of(RECORD_EVERY) {

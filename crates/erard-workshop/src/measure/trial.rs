@@ -9,6 +9,7 @@ use moreau::Settings;
 use super::MeasureError;
 use erard::Progress;
 use erard::instrument::Instrument;
+use erard::mechanism::Halving;
 use erard::player::{Action, AtRest, Input, RestPose, Snapshot};
 
 /// Step, s: the key creeps; half the step changes no weight by more than 0.03 g.
@@ -98,6 +99,8 @@ impl Trials {
     /// Brings the key to rest at `from_m`.
     fn at(rest: &RestPose, from_m: f64, progress: &mut Progress<'_>) -> Result<Self, MeasureError> {
         let mut action = rest.action(Settings::new(STEP_S))?;
+        // Strings ask for a tenth of the step, for their sound. A key that creeps hears nothing of it.
+        action.halve(Halving::Never);
         if from_m > 0.0 {
             hold_at(&mut action, rest.instrument(), from_m, progress)?;
         }
