@@ -66,6 +66,8 @@ pub struct HammerKey<P> {
     crossing: Crossing,
     notes: KeyNotes,
     last: Option<[f64; 2]>,
+    /// Instant of the last reading of either sensor, s.
+    seen_s: f64,
     /// The last reading that was no outlier.
     accepted: Option<[f64; 2]>,
     is_sensed: bool,
@@ -93,6 +95,7 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
             crossing: Crossing { damper_m },
             notes: KeyNotes::new(Crossing { damper_m }),
             last: None,
+            seen_s: f64::NEG_INFINITY,
             accepted: None,
             is_sensed: false,
             released_m: 0.0,
@@ -121,6 +124,7 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
         }
         self.notes = KeyNotes::new(self.crossing);
         (self.last, self.accepted, self.is_sensed) = (None, None, false);
+        self.seen_s = f64::NEG_INFINITY;
         (self.released_m, self.struck_s) = (0.0, f64::NEG_INFINITY);
         (self.period_s, self.has_struck) = (USUAL_PERIOD_S, false);
         (self.rise.1, self.lowest_m, self.highest_m) = (0, 0.0, 0.0);
@@ -131,6 +135,12 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
     #[must_use]
     pub fn is_sensed(&self) -> bool {
         self.is_sensed
+    }
+
+    /// Whether a second sensor sees its release.
+    #[must_use]
+    pub fn sees_release(&self) -> bool {
+        self.release.is_some()
     }
 
     /// Whether no note sounds.
@@ -146,12 +156,14 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
     }
 
     /// Takes a reading of the head at an instant, s; sends the resulting events. A note is sent when the next reading
-    /// would come after the impact. Returns false and ignores the reading if it does not come after the last one.
+    /// would come after the impact. Returns false and ignores the reading if it does not come after the last one, or
+    /// comes before the last one of the other sensor: a note must not begin before its predecessor has ended.
     pub fn take(&mut self, time_s: f64, reading: f64, send: &mut dyn FnMut(Event)) -> bool {
         let before = self.last;
-        if before.is_some_and(|[last_s, _]| time_s <= last_s) {
+        if before.is_some_and(|[last_s, _]| time_s <= last_s) || time_s < self.seen_s {
             return false;
         }
+        self.seen_s = time_s;
         let (x, stop_m) = (self.head.travel_m(time_s, reading), self.head.whole_m());
         (self.last, self.is_sensed) = (Some([time_s, x]), true);
         if let Some([last_s, _]) = before {
@@ -209,9 +221,10 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
     }
 
     /// Takes a reading of the sensor that sees the release, at an instant, s. Returns false and ignores the reading if
-    /// there is no such sensor.
+    /// there is no such sensor, or it comes before the last one of either sensor.
     pub fn take_release(&mut self, time_s: f64, reading: f64, send: &mut dyn FnMut(Event)) -> bool {
-        let Some((converter, _)) = &mut self.release else { return false };
+        let Some((converter, _)) = self.release.as_mut().filter(|_| time_s >= self.seen_s) else { return false };
+        self.seen_s = time_s;
         self.released_m = converter.travel_m(time_s, reading);
         for event in self.notes.update(time_s, self.released_m, None).into_iter().flatten() {
             send(match event {
@@ -231,6 +244,7 @@ impl<P: AsRef<[[f64; 2]]>> HammerKey<P> {
             send(Event::Off { time_s, release_m_per_s: None });
         }
         (self.last, self.accepted, self.has_struck) = (None, None, false);
+        self.seen_s = f64::NEG_INFINITY;
         (self.rise.1, self.lowest_m, self.highest_m) = (0, self.head.whole_m(), 0.0);
     }
 

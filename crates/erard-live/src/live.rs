@@ -273,10 +273,10 @@ impl Live {
             let mut send = |event| tell(KeyEvent::of(event));
             if is_head { hammer.take(time_s, value, &mut send) } else { hammer.take_release(time_s, value, &mut send) }
         };
-        match (is_taken, is_head) {
-            (true, _) => report.samples += 1,
-            (false, true) => report.out_of_order += 1,
-            (false, false) => report.uncalibrated += 1,
+        match is_taken {
+            true => report.samples += 1,
+            false if is_head || hammer.sees_release() => report.out_of_order += 1,
+            false => report.uncalibrated += 1,
         }
     }
 

@@ -161,9 +161,10 @@ fn garbled_streams_cost_linear_work() {
 }
 
 /// A pause ends a note while the hammer of its next one is on the string; in the second stream its damper lands, too.
+/// In the third the sensor that sees a hammer's release is ahead of the one that sees the hammer.
 #[test]
-fn events_of_a_key_do_not_go_back_at_a_pause() {
-    for seed in [89_279_485_182_223, 89_283_780_151_231] {
+fn events_of_a_key_do_not_go_back() {
+    for seed in [89_279_485_182_223, 89_283_780_151_231, 89_283_780_151_592] {
         garbled(seed..seed + 1);
     }
 }
