@@ -43,15 +43,10 @@ fn findings(c: &Comparison) -> Vec<Finding<'_>> {
     findings
 }
 
-/// The first lines: the verdicts, those with a number where there are some, and what warns.
-pub(crate) fn headlines(answer: &Value) -> Vec<String> {
-    let all = |key: &str| answer[key].as_array().cloned().unwrap_or_default();
-    let text = |one: &Value| one.as_str().unwrap_or_default().to_owned();
-    let warnings = all("warnings").iter().map(|one| format!("warning: {}", text(one))).collect::<Vec<_>>();
-    let verdicts: Vec<String> = all("verdicts").iter().map(text).collect();
-    let with_number: Vec<String> = verdicts.iter().filter(|one| one.contains(" explains ")).cloned().collect();
-    let first = if with_number.is_empty() { verdicts } else { with_number };
-    first.into_iter().chain(warnings).collect()
+/// The first lines: the verdicts in brief, and what warns.
+pub(crate) fn headlines(comparison: &Comparison, answer: &Value) -> Vec<String> {
+    let warnings = answer["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    comparison.brief().into_iter().chain(warnings.map(|one| format!("warning: {one}"))).collect()
 }
 
 /// The errors as a table, then by frequency.

@@ -88,8 +88,8 @@ impl Compare {
 
         print_line!(session, "{title} compared with {}", instrument.name);
         let answer = Answer::of(&report)?;
-        let adds = "the errors of every drive and model, by frequency, too, and how the recording was prepared";
-        answer.begin(session, headlines, adds);
+        let adds = "errors by frequency, and how the recording was prepared";
+        answer.begin(session, |answer| headlines(&comparison, answer), adds);
         let (verdicts, rests) = (comparison.verdicts(), comparison.rests());
         for line in verdicts.iter().chain(&comparison.force_uncertainties()).chain(&rests).chain(&comparison.notes) {
             print_line!(session, "{line}");

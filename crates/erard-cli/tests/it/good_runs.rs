@@ -163,7 +163,13 @@ fn a_measured_stroke_beside_the_models() {
     let table = folder.read("run/run.csv").replacen("key_m", "position_m", 1);
     folder.file("measured.csv", &table);
     let printed = folder.good(&["compare", "measured.csv"]);
-    assert!(Folder::words(&printed).contains("driven by force: the action explains"), "{printed}");
+    let words = Folder::words(&printed);
+    assert!(
+        words.contains("by the action (by one degree of freedom):") && words.contains("driven by force: position "),
+        "{printed}"
+    );
+    let whole = Folder::words(&folder.good(&["compare", "measured.csv", "--full"]));
+    assert!(whole.contains("driven by force: the action explains"), "{whole}");
     let report = json(&folder, "erard-out-compare/compare.json");
     let findings = report["findings"].as_array().unwrap();
     let of = |drive: &str, model: &str, quantity: &str| {

@@ -526,11 +526,7 @@ impl Comparison {
                     .map(|(trial, errors)| format!("{} {}", trial.which.spoken(), share(errors.explained, 1)))
                     .collect();
                 let who = if told.len() > 1 { "neither model explains any" } else { "the model explains none" };
-                let why = match driven {
-                    Prescribed::Force => &self.misread[0],
-                    Prescribed::Motion | Prescribed::Rigid => &self.misread[1],
-                };
-                let why: String = why.iter().map(|reason| format!("; {reason}")).collect();
+                let why: String = self.misread_by(driven).iter().map(|reason| format!("; {reason}")).collect();
                 let limit = up_to(first.told_to_hz);
                 verdicts.push(format!("{name}{limit}: {who} of the {what}'s variance ({}){why}", shares.join(", ")));
             } else {
@@ -576,6 +572,60 @@ impl Comparison {
             }
         }
         verdicts
+    }
+
+    /// The verdicts in brief: a heading, then for every drive the share of each measured quantity's variance that the
+    /// action explains, and one degree of freedom in brackets. Where no number came out, the verdicts.
+    pub fn brief(&self) -> Vec<String> {
+        let said = |explained: f64| if explained > 0.0 { share(explained, 1) } else { "nothing".to_owned() };
+        // Drive, frequency up to which its first quantity is compared, and what is said of its quantities.
+        let mut drives: Vec<(Prescribed, f64, Vec<String>)> = Vec::new();
+        let (mut firsts, mut others) = (Vec::new(), Vec::new());
+        for driven in DRIVES {
+            let trials: Vec<&Trial> = MODELS.iter().filter_map(|which| self.trial(driven, *which)).collect();
+            let told: Vec<(&Trial, &Errors)> =
+                trials.iter().filter_map(|trial| Some((*trial, trial.errors.as_ref()?))).collect();
+            let (mut limits_hz, mut quantities) = (Vec::new(), Vec::new());
+            if let [(first, errors), rest @ ..] = &told[..] {
+                let brackets: String =
+                    rest.iter().map(|(_, errors)| format!(" ({})", said(errors.explained))).collect();
+                quantities.push(format!("{} {}{brackets}", outcome(driven), said(errors.explained)));
+                firsts.push(first.which);
+                others.extend(rest.iter().map(|(trial, _)| trial.which));
+                limits_hz.push(first.told_to_hz);
+            }
+            for trial in &trials {
+                if let Some(hammer) = &trial.hammer_errors {
+                    quantities.push(format!("hammer {}", said(hammer.explained)));
+                    firsts.push(trial.which);
+                    limits_hz.push(trial.hammer_told_to_hz);
+                }
+            }
+            if !told.is_empty() && told.iter().all(|(_, errors)| errors.explained <= 0.0) {
+                quantities.extend(self.misread_by(driven).iter().cloned());
+            }
+            if let Some(limit_hz) = limits_hz.first() {
+                drives.push((driven, *limit_hz, quantities));
+            }
+        }
+        let (Some(first), Some((_, limit_hz, _))) = (firsts.first(), drives.first()) else { return self.verdicts() };
+        let all_alike = drives.iter().all(|(_, hz, _)| hz == limit_hz);
+        let limit = if all_alike { up_to(*limit_hz) } else { String::new() };
+        let other = others.first().map_or(String::new(), |other| format!(" (by {})", other.spoken()));
+        let heading = format!("Variance explained{limit} by {}{other}:", first.spoken());
+        let line = |(driven, hz, quantities): &(Prescribed, f64, Vec<String>)| {
+            let limit = if all_alike { String::new() } else { up_to(*hz) };
+            format!("  {}{limit}: {}", driven.driven(), quantities.join(", "))
+        };
+        [heading].into_iter().chain(drives.iter().map(line)).collect()
+    }
+
+    /// What may be wrong with the recorded quantity that drives, if nothing is explained.
+    fn misread_by(&self, driven: Prescribed) -> &[String] {
+        match driven {
+            Prescribed::Force => &self.misread[0],
+            Prescribed::Motion | Prescribed::Rigid => &self.misread[1],
+        }
     }
 
     /// Warnings about the recording: an inverted trace, an offset, or a delay.
