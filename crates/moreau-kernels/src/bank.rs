@@ -5,8 +5,8 @@
 //! is no threshold. It works because set-valued dry friction brings velocities to exactly zero in finite time, or,
 //! where something slips at the limit of its friction toward its rest (a damper that sinks into its felt), to such that
 //! no longer change an angle by rounding: 1e-15 rad/s, for ever. Regularised friction does neither: under it no
-//! mechanism ever sleeps. Rounding can make such a velocity alternate between two or three values, which differ by 1e-18
-//! rad/s: [`moreau::step_or_stay`].
+//! mechanism ever sleeps. Rounding can make such a velocity alternate between two or three values, which differ by
+//! 1e-18 rad/s: [`moreau::step_or_stay`].
 
 use moreau::{ModelError, Settings, SiteInput, StepOutcome, Workspace};
 

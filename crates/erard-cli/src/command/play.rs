@@ -64,7 +64,7 @@ pub(crate) struct Play {
     #[arg(long, value_name = "MS", default_value_t = 1.0, value_parser = between(Quantity::Time, "ms", 0.05, 1000.0), allow_hyphen_values = true)]
     record_interval: f64,
     /// Also write the force of all strings on the bridge as sound, NAME.wav in the output folder. Needs modal strings.
-    /// 48 kHz, 16 bit; full scale is 150 N for all notes. There is no soundboard: it does not sound like a piano. Steps
+    /// 48 kHz, 16 bit; full scale is 150 N for all notes. No soundboard radiates: it does not sound like a piano. Steps
     /// are then 1/48000 s [default: play.wav]
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "play.wav", value_parser = wav_name)]
     wav: Option<String>,

@@ -71,7 +71,7 @@ pub(crate) struct Press {
     #[arg(long)]
     moving: bool,
     /// Write the strings' force on the bridge as sound, NAME.wav in the output folder, and its spectrogram (SVG and
-    /// PNG). Needs modal strings. 48 kHz, 16 bit; full scale is 150 N for all notes. There is no soundboard: it does
+    /// PNG). Needs modal strings. 48 kHz, 16 bit; full scale is 150 N for all notes. No soundboard radiates: it does
     /// not sound like a piano. The note is simulated again for it in steps of 1/96000 s [default: note.wav]
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "note.wav", value_parser = wav_name)]
     wav: Option<String>,

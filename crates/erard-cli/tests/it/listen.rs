@@ -122,9 +122,10 @@ fn what_is_no_recording_of_a_note_is_refused() {
 fn a_modelled_note_is_heard() {
     let folder = Folder::new("listen-modelled");
     let text = erard::instrument::Instrument::builtin_text("concert-grand-strings").unwrap();
-    // In unison: without beats.
+    // In unison: without beats; on a bridge that stands still.
     let unison: String =
         text.lines().filter(|line| !line.starts_with("detuned_cents")).flat_map(|line| [line, "\n"]).collect();
+    let unison = unison.replace("\n[roles]\n", "\n[roles]\nrigid_bridge = true\n");
     folder.file("note.toml", &unison);
     let wav = ["--duration", "3", "--pedal", "10mm", "--wav", "C4.wav"];
     folder.good(&[&["press", "--instrument", "note.toml", "--hammer-speed", "2m/s"], &wav[..]].concat());

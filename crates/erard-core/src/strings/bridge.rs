@@ -84,6 +84,33 @@ pub(super) struct Bridge {
     divisor: [Pair; 2],
     /// By how much the mean w of a step rises per newton of S at its end, m/N.
     per_newton: [Pair; 2],
+    /// What follows from where its modes are: w, and its sum with w a step later if nothing pushes them, m.
+    now_m: Pair,
+    both_m: Pair,
+}
+
+/// What modes add up to, by lanes: w, and its sum with w a step later, in each direction.
+#[derive(Default)]
+struct Sums {
+    now: [[f64; WIDE]; 2],
+    both: [[f64; WIDE]; 2],
+}
+
+impl Sums {
+    #[inline(always)]
+    fn add(&mut self, Block { q, v, qq, qv, shape, bridge, .. }: &Block) {
+        for i in 0..WIDE {
+            let both = q[i] + (qq[i] * q[i] + qv[i] * v[i]);
+            self.now[0][i] += shape[i] * q[i];
+            self.now[1][i] += bridge[i] * q[i];
+            self.both[0][i] += shape[i] * both;
+            self.both[1][i] += bridge[i] * both;
+        }
+    }
+
+    fn added(self) -> (Pair, Pair) {
+        (self.now.map(added), self.both.map(added))
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -127,19 +154,32 @@ impl Bridge {
         let [first, second] = [0, 1].map(|b| solved(divisor, [0.5 * gives_m_per_n[0][b], 0.5 * gives_m_per_n[1][b]]));
         let across = 0.5 * (first[1] + second[0]);
         let per_newton = [[first[0], across], [across, second[1]]];
-        Bridge { blocks, own, rows, stiffness_n_per_m, static_m_per_n, gives_m_per_n, divisor, per_newton }
+        Bridge {
+            blocks,
+            own,
+            rows,
+            stiffness_n_per_m,
+            static_m_per_n,
+            gives_m_per_n,
+            divisor,
+            per_newton,
+            now_m: [0.0; 2],
+            both_m: [0.0; 2],
+        }
     }
 
     /// w, m.
     pub(crate) fn displacement_m(&self) -> Pair {
-        let mut sums = [[0.0; WIDE]; 2];
-        for Block { q, shape, bridge, .. } in &self.blocks {
-            for i in 0..WIDE {
-                sums[0][i] += shape[i] * q[i];
-                sums[1][i] += bridge[i] * q[i];
-            }
+        self.now_m
+    }
+
+    /// Finds what follows from where its modes are, after they have been put somewhere.
+    pub(crate) fn look(&mut self) {
+        let mut sums = Sums::default();
+        for block in &self.blocks {
+            sums.add(block);
         }
-        sums.map(added)
+        (self.now_m, self.both_m) = sums.added();
     }
 
     /// K in the direction of the blow, N/m.
@@ -160,32 +200,25 @@ impl Bridge {
 
     /// The mean w of a step, m, in which S goes from one value to another if w stays zero.
     pub(crate) fn mean_m(&self, s_n: Pair, s_free_n: Pair) -> Pair {
-        let mut sums = [[0.0; WIDE]; 2];
-        for Block { q, v, qq, qv, shape, bridge, .. } in &self.blocks {
-            for i in 0..WIDE {
-                let both = q[i] + (qq[i] * q[i] + qv[i] * v[i]);
-                sums[0][i] += shape[i] * both;
-                sums[1][i] += bridge[i] * both;
-            }
-        }
         let pushed = times(self.gives_m_per_n, [0.5 * (s_n[0] + s_free_n[0]), 0.5 * (s_n[1] + s_free_n[1])]);
-        let [vertical, horizontal] = sums.map(added);
-        solved(self.divisor, [vertical + pushed[0], horizontal + pushed[1]])
+        solved(self.divisor, [self.both_m[0] + pushed[0], self.both_m[1] + pushed[1]])
     }
 
     /// Its modes' step under the mean force, N; what this has done to them, J.
     pub(crate) fn advance(&mut self, force_n: Pair) -> f64 {
-        let before_m = self.displacement_m();
-        for Block { q, v, qq, qv, vq, vv, fq, fv, shape, bridge } in &mut self.blocks {
+        let (before_m, mut sums) = (self.now_m, Sums::default());
+        for block in &mut self.blocks {
+            let Block { q, v, qq, qv, vq, vv, fq, fv, shape, bridge } = block;
             for i in 0..WIDE {
                 let own_n = shape[i] * force_n[0] + bridge[i] * force_n[1];
                 let after = qq[i] * q[i] + qv[i] * v[i] + fq[i] * own_n;
                 v[i] = vq[i] * q[i] + vv[i] * v[i] + fv[i] * own_n;
                 q[i] = after;
             }
+            sums.add(block);
         }
-        let after_m = self.displacement_m();
-        dot(force_n, [after_m[0] - before_m[0], after_m[1] - before_m[1]])
+        (self.now_m, self.both_m) = sums.added();
+        dot(force_n, [self.now_m[0] - before_m[0], self.now_m[1] - before_m[1]])
     }
 
     /// The mean force of a step in which S and w have gone so far, N.
@@ -240,23 +273,6 @@ impl Bridge {
             0.5 * (own.mass_kg * v * v + own.stiffness_n_per_m * r * r)
         };
         self.each().map(of).sum()
-    }
-
-    /// S of the strings' modes.
-    pub(crate) fn sum_n(&self, blocks: &[Block]) -> Pair {
-        [self.rows[0].now(blocks), self.rows[1].now(blocks)]
-    }
-
-    /// S a step later, if nothing presses the strings and w stays zero.
-    pub(crate) fn free_n(&self, blocks: &[Block]) -> Pair {
-        [self.rows[0].free(blocks), self.rows[1].free(blocks)]
-    }
-
-    /// Adds to strings that have taken a step what the mean w of it has done to them.
-    pub(crate) fn press(&self, mean_m: Pair, blocks: &mut [Block]) {
-        for (row, mean_m) in self.rows.iter().zip(mean_m) {
-            row.press(mean_m, blocks);
-        }
     }
 
     /// Displacement and velocity of one of its modes.

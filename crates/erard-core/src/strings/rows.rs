@@ -84,6 +84,18 @@ impl Row {
         added(sum)
     }
 
+    /// The modes' step under a force of the hammer, N, and one at the place, N.
+    pub(crate) fn step(&self, hammer_n: f64, force_n: f64, blocks: &mut [Block]) {
+        for (part, block) in self.parts.iter().zip(&mut blocks[self.first..]) {
+            let Block { q, v, qq, qv, vq, vv, fq, fv, .. } = block;
+            for i in 0..WIDE {
+                let after = qq[i] * q[i] + qv[i] * v[i] + (fq[i] * hammer_n + part.fq[i] * force_n);
+                v[i] = vq[i] * q[i] + vv[i] * v[i] + (fv[i] * hammer_n + part.fv[i] * force_n);
+                q[i] = after;
+            }
+        }
+    }
+
     /// Adds to modes that have taken a step what a force at the place has done to them meanwhile.
     pub(crate) fn press(&self, force: f64, blocks: &mut [Block]) {
         for (part, block) in self.parts.iter().zip(&mut blocks[self.first..]) {

@@ -31,6 +31,17 @@ pub fn rigid_grand() -> Instrument {
     Instrument::builtin("concert-grand-rigid").expect("the built-in grand reads")
 }
 
+/// The shipped concert grand with strings, on its soundboard.
+pub fn strung() -> Instrument {
+    Instrument::builtin("concert-grand-strings").expect("the built-in grand reads")
+}
+
+/// An instrument whose bridge stands still: what strings do by themselves.
+pub fn with_rigid_bridge(mut instrument: Instrument) -> Instrument {
+    instrument.edit(|fields| fields.roles.rigid_bridge = true).expect("a role alone");
+    instrument
+}
+
 /// The rigid grand in the engine's own types, at rest.
 pub fn rigid_grand_at_rest() -> (Model<f64, 6, 14>, State<f64, 6, 14>) {
     let grand = rigid_grand();

@@ -3,12 +3,14 @@
 
 use std::f64::consts::PI;
 
+use crate::common::with_rigid_bridge;
 use erard::instrument::{Instrument, PianoString};
 use erard::keyboard::Keyboard;
 use erard::{Action, Input};
 
+/// A key whose bridge stands still: what its strings do by themselves and under their dampers.
 fn key(number: usize) -> Instrument {
-    Keyboard::builtin("concert-grand-strings").unwrap().key(number).unwrap()
+    with_rigid_bridge(Keyboard::builtin("concert-grand-strings").unwrap().key(number).unwrap())
 }
 
 /// A complex number.

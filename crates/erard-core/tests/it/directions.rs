@@ -3,7 +3,8 @@
 
 use std::f64::consts::PI;
 
-use crate::dampers::{bridged, damped, damped_on_a_bridge, strings, strung, swing};
+use crate::common::strung;
+use crate::dampers::{bridged, damped, damped_on_a_bridge, strings, swing};
 use erard::instrument::{BridgeMode, Instrument, InstrumentFile, PianoString};
 use erard::mechanism::{Halving, Mechanism, Stepping, mechanism, open_ledger, update_energies};
 use erard::{Action, Input, Settings};

@@ -109,6 +109,7 @@ fn validate(instance: &Value, schema: &Value, root: &Value, path: &str, faults: 
                     "array" => instance.is_array(),
                     "string" => instance.is_string(),
                     "number" => instance.is_number(),
+                    "integer" => instance.is_i64() || instance.is_u64(),
                     "boolean" => instance.is_boolean(),
                     other => panic!("type {other}"),
                 };

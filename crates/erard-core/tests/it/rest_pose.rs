@@ -38,7 +38,8 @@ fn a_run_starts_as_drawn_and_a_technician_as_played() {
     }
 }
 
-/// A second blow leaves it where the first one did, to a hundredth of a millimetre, and a third where the second did.
+/// A second blow leaves it where the first one did, to 15 um (a protocol sheet has tenths of a millimetre), and a third
+/// where the second did.
 #[test]
 fn one_blow_is_enough() {
     for name in Instrument::builtin_names() {
@@ -47,7 +48,8 @@ fn one_blow_is_enough() {
         let thrice = twice.played_again(&mut |_| true).unwrap();
         let moved_um = [&twice, &thrice].map(|rest| 1e6 * (blow_m(rest) - blow_m(&once)));
         println!("{name}: {moved_um:.3?} um");
-        assert!(moved_um.iter().all(|um| um.abs() < 10.0), "{name}: {moved_um:?} um");
+        assert!(moved_um.iter().all(|um| um.abs() < 15.0), "{name}: {moved_um:?} um");
+        assert!((moved_um[1] - moved_um[0]).abs() < 1.0, "{name}: {moved_um:?} um");
     }
 }
 

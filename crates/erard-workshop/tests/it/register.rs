@@ -50,7 +50,9 @@ fn builtin() -> Vec<(String, String)> {
 /// An instrument with every number that a file can hold, for each law of felts.
 fn complete() -> Vec<(String, String)> {
     let text = |law: usize| (format!("law {law}"), complete_of(law));
-    (0..LAWS.len()).map(text).collect()
+    // And one whose bridge stands still, so that its numbers are idle.
+    let rigid = complete_of(0).replacen("[roles]\n", "[roles]\nrigid_bridge = true\n", 1);
+    (0..LAWS.len()).map(text).chain([("rigid bridge".to_owned(), rigid)]).collect()
 }
 
 fn complete_of(law: usize) -> String {

@@ -198,10 +198,15 @@ fn lying(instrument: &Instrument) -> Result<[f64; 3], ReproduceError> {
 
 pub(super) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let keyboard = Keyboard::builtin(NAME).map_err(|error| wrong(error.to_string()))?;
-    let key = |key: usize| keyboard.key(key).map_err(wrong);
+    // What dampers do to strings that end on a bridge that stands still.
+    let key = |key: usize| -> Result<Instrument, ReproduceError> {
+        let mut instrument = keyboard.key(key).map_err(wrong)?;
+        instrument.edit(|fields| fields.roles.rigid_bridge = true)?;
+        Ok(instrument)
+    };
     let mut section = Section {
         text: vec![format!(
-            "Notes of {FORCE_N} N with the pedal down; the key is let go, then the pedal, and from the dampers' first touch the force of all partials below 5 kHz on the bridge is \
+            "Notes of {FORCE_N} N with the pedal down, on a bridge that stands still; the key is let go, then the pedal, and from the dampers' first touch the force of all partials below 5 kHz on the bridge is \
              followed (by the velocity of each, over one period of the first after the other). T60 is when it stays 60 dB below what it was; the partial that lasts longest has a node near the felt's middle. The felts, their weights and their lengths are estimates: no \
              measurement of a damper's felt and no published table of decay under dampers was found. In general experience a bass string is silent 0.5 to 1.5 s after its key is let go."
         )],

@@ -334,18 +334,34 @@ impl Strings {
 
     /// What follows from where the modes are.
     fn update_surfaces(&mut self) {
-        let ([mut now, mut free], mut bridge) = ([[0.0; WIDE]; 2], [[0.0; WIDE]; 2]);
+        if let Some(bridge) = &mut self.bridge {
+            bridge.look();
+        }
+        let free_n = self.sum_modes();
+        self.couple(free_n);
+    }
+
+    /// The sums over all modes; returns S a step later if nothing presses the strings and the bridge stands still, N.
+    fn sum_modes(&mut self) -> Pair {
+        let ([mut now, mut free], [mut bridge, mut later]) = ([[0.0; WIDE]; 2], [[[0.0; WIDE]; 2]; 2]);
         for (direction, blocks) in <[_; 2]>::from(self.blocks.split_at(self.vertical)).into_iter().enumerate() {
             for block in blocks {
                 let Block { q, v, qq, qv, shape, bridge: own, .. } = block;
                 for i in 0..WIDE {
+                    let after = qq[i] * q[i] + qv[i] * v[i];
                     now[i] += shape[i] * q[i];
-                    free[i] += shape[i] * (qq[i] * q[i] + qv[i] * v[i]);
+                    free[i] += shape[i] * after;
                     bridge[direction][i] += own[i] * q[i];
+                    later[direction][i] += own[i] * after;
                 }
             }
         }
         self.set_sums(now, free, bridge);
+        later.map(added)
+    }
+
+    /// What dashpots and bridge will do in the next step. `free_n`: of [`Strings::sum_modes`].
+    fn couple(&mut self, free_n: Pair) {
         self.rocks = all_rocks(|k| match self.felts.get(k) {
             Some(felt) => felt.rocks(self.forces_n[1 + k], &self.blocks, self.step_s),
             None => Default::default(),
@@ -353,7 +369,7 @@ impl Strings {
         if self.is_joint() {
             let mut per_newton = [[0.0; 2]; 2];
             if let Some(bridge) = &self.bridge {
-                self.drifts_m = bridge.mean_m(self.sum_n, bridge.free_n(&self.blocks));
+                self.drifts_m = bridge.mean_m(self.sum_n, free_n);
                 per_newton = bridge.per_newton();
             }
             for (d, rocks) in self.rocks.iter_mut().enumerate().filter(|(_, rocks)| rocks.stiff_n_per_m > 0.0) {
@@ -455,7 +471,14 @@ impl Strings {
             let [vertical, horizontal] = bridge.per_newton();
             [self.drifts_m[0] + dot(vertical, all_n), self.drifts_m[1] + dot(horizontal, all_n)]
         });
-        self.step_modes(self.forces_n[0]);
+        match (&self.bridge, mean_m) {
+            (Some(bridge), Some(mean_m)) => {
+                for (row, mean_m) in bridge.rows.iter().zip(mean_m) {
+                    row.step(self.forces_n[0], mean_m, &mut self.blocks);
+                }
+            }
+            _ => self.step_modes(self.forces_n[0]),
+        }
         self.press_felts();
         for (k, (rocks, force_n)) in self.rocks.iter().zip(dashpots_n).enumerate() {
             if force_n != 0.0 {
@@ -464,12 +487,11 @@ impl Strings {
                 self.rocked_j += force_n * force_n / rocks.per_s;
             }
         }
+        let free_n = self.sum_modes();
         if let (Some(bridge), Some(mean_m)) = (&mut self.bridge, mean_m) {
-            bridge.press(mean_m, &mut self.blocks);
-            let s_n = bridge.sum_n(&self.blocks);
-            self.bridge_j += bridge.advance(bridge.mean_force_n([s_before_n, s_n], mean_m));
+            self.bridge_j += bridge.advance(bridge.mean_force_n([s_before_n, self.sum_n], mean_m));
         }
-        self.update_surfaces();
+        self.couple(free_n);
     }
 
     /// What a place is displaced by now, m.

@@ -1,6 +1,5 @@
-//! What makes a note of three strings fall fast and then slowly: each cause alone on a moving bridge, then all
-//! together. The soundboard is that of `docs/notes/strings.md`, which was chosen by recorded notes; the built-in
-//! file has none.
+//! What makes a note of three strings fall fast and then slowly: each cause alone on the built-in soundboard, then all
+//! together.
 
 use super::super::impact::tell;
 use super::super::{Claim, Progress, ReproduceError, Section, Table};
@@ -12,52 +11,6 @@ use erard_workshop::validate::{SOUND_SPEED_M_PER_S, heard};
 /// Key of the instrument file.
 const KEY: usize = 40;
 const DURATION_S: f64 = 8.0;
-
-/// Bands of the soundboard.
-const BOARD: &str = r#"
-[[board]]
-name = "low"
-from_Hz = 40
-to_Hz = 300
-modal_density_s = 0.05
-mass_g = 5000
-loss_factor = 0.03
-horizontal = 0.25
-seed = 1
-[[board]]
-name = "middle"
-from_Hz = 300
-to_Hz = 700
-modal_density_s = 0.03
-mass_g = 8000
-loss_factor = 0.03
-horizontal = 0.25
-seed = 1
-[[board]]
-name = "upper"
-from_Hz = 700
-to_Hz = 1500
-modal_density_s = 0.02
-mass_g = 10000
-loss_factor = 0.03
-horizontal = 0.25
-seed = 1
-[[board]]
-name = "high"
-from_Hz = 1500
-to_Hz = 6000
-modal_density_s = 0.0125
-mass_g = 10000
-loss_factor = 0.03
-horizontal = 0.25
-seed = 1
-"#;
-/// The strings' own losses without the bridge's share, 1/s and s.
-const LOSSES: [f64; 2] = [0.12, 1.5e-9];
-/// Detuning of the strings, cents, their shares of the blow, and its angle, rad.
-const CENTS: [f64; 3] = [-0.6, 0.0, 0.5];
-const SHARES: [f64; 3] = [1.05, 1.0, 0.95];
-const ANGLE_RAD: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
 /// What acts: the moving bridge, unisons apart in pitch, strings struck unevenly, bridge modes that move askew, the
 /// blow's angle.
@@ -74,33 +27,31 @@ const ROWS: [(&str, Causes); 7] = [
     ("all of them", [true; 5]),
 ];
 
-/// Gives an instrument the causes that act.
+/// Leaves an instrument the causes that act.
 fn set(fields: &mut InstrumentFields, [bridge, unisons, shares, askew, angle]: Causes) {
     fields.roles.rigid_bridge = !bridge;
-    // Modes that are drawn have a dot in their names.
-    fields.bridge_modes.retain(|mode| mode.name.contains('.'));
     if !askew {
         fields.bridge_modes.iter_mut().for_each(|mode| mode.horizontal = 0.0);
     }
     let Some(middle) = fields.strings.get(1).cloned() else { return };
-    for (index, string) in fields.strings.iter_mut().enumerate() {
-        let cents = if unisons { CENTS[index] } else { 0.0 };
-        let factor = f64::exp2(2.0 * cents / 1200.0);
-        (string.tension_n, string.bending_n_m2) = (middle.tension_n * factor, middle.bending_n_m2 * factor);
-        [string.loss_per_s, string.loss_s] = LOSSES;
-        string.strike_share = if shares { SHARES[index] } else { 1.0 };
+    for string in &mut fields.strings {
+        if !unisons {
+            (string.tension_n, string.bending_n_m2) = (middle.tension_n, middle.bending_n_m2);
+        }
+        if !shares {
+            string.strike_share = 1.0;
+        }
         // A string that nothing moves sideways has no second direction.
-        string.strike_angle_rad = (angle || askew).then_some(if angle { ANGLE_RAD } else { 0.0 });
+        string.strike_angle_rad = string.strike_angle_rad.filter(|_| angle).or(askew.then_some(0.0));
     }
 }
 
 pub(in crate::subjects) fn section(_: &Instrument, progress: &mut Progress) -> Result<Section, ReproduceError> {
     let wrong = |error: String| ReproduceError::Instrument(error);
-    let text = Instrument::builtin_text(NAME).ok_or_else(|| wrong(format!("no built-in instrument {NAME}")))?;
-    let instrument = Instrument::parse(&format!("{text}{BOARD}"), NAME).map_err(|error| wrong(error.to_string()))?;
+    let instrument = super::super::builtin(NAME)?;
     let mut section = Section {
         text: vec![format!(
-            "C4 of the built-in instrument with strings, on a soundboard of four bands: {SOUND_SPEED_M_PER_S} m/s at the string, pedal down, {DURATION_S} s of the force on the bridge, measured as `erard listen` does. Times are to -10, -20 and -40 dB."
+            "C4 of the built-in instrument with strings, on its soundboard: {SOUND_SPEED_M_PER_S} m/s at the string, pedal down, {DURATION_S} s of the force on the bridge, measured as `erard listen` does. Times are to -10, -20 and -40 dB."
         )],
         ..Section::default()
     };
