@@ -102,7 +102,7 @@ export const live = async ({ visit }) => {
   await page.keyboard.up("q");
   await until(page, () => document.getElementById("sound-level").value < 0.01, undefined, 60_000);
   const said = await page.textContent("#sound-said");
-  assert.match(said, /without a soundboard; (no drop-outs|\d+ drop-outs?, \d+\.\d s)/);
+  assert.match(said, /not what the soundboard radiates; (no drop-outs|\d+ drop-outs?, \d+\.\d s)/);
   await page.click("#sound");
   await ready();
   assert.equal(await page.getAttribute("#sound", "aria-pressed"), "false");

@@ -41,13 +41,13 @@ fn levels(samples: &[f64], rate_hz: f64) -> Vec<Vec<f64>> {
     powers.into_iter().map(|column| column.into_iter().map(level).collect()).collect()
 }
 
-/// The spectrogram of samples, so many a second.
-pub(crate) fn spectrogram_picture(samples: &[f64], rate_hz: f64, title: &str) -> Picture {
+/// The spectrogram of samples, so many a second; `what` they are.
+pub(crate) fn spectrogram_picture(samples: &[f64], rate_hz: f64, title: &str, what: &str) -> Picture {
     let blackness = |column: Vec<f64>| column.into_iter().map(|level| level / RANGE_DB + 1.0).collect();
     let spectrogram = Spectrogram {
         title: title.to_owned(),
         subtitle: format!(
-            "force on the bridge, not a piano; {RANGE_DB:.0} dB from white to black; each place shows {:.0} ms around it",
+            "{what}; {RANGE_DB:.0} dB from white to black; each place shows {:.0} ms around it",
             1e3 * WINDOW as f64 / rate_hz
         ),
         levels: levels(samples, rate_hz).into_iter().map(blackness).collect(),
@@ -78,6 +78,6 @@ mod tests {
         let at = |time_s: f64| near(of(time_s));
         assert!(at(0.5 - half - 0.01) < -80.0 && at(0.5 + half + 0.01) > -0.1);
         assert!((at(0.5) + 6.0).abs() < 1.5, "{}", at(0.5));
-        assert!(spectrogram_picture(&samples, 48e3, "a < b").svg().contains("a &lt; b"));
+        assert!(spectrogram_picture(&samples, 48e3, "a < b", "force").svg().contains("a &lt; b"));
     }
 }

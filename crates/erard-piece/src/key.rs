@@ -3,6 +3,7 @@
 use erard::grand::Anatomy;
 use erard::instrument::Instrument;
 use erard::player::ActionError;
+use erard::run::Heard;
 use erard::{Action, Progress, Reading, Settings, Snapshot, StepOutcome};
 
 use crate::error::PerformError;
@@ -132,7 +133,8 @@ pub(crate) struct Key<'a> {
     row_every: u64,
     rows: Vec<[f64; COLUMNS.len()]>,
     /// Sound, if requested: first sample and samples.
-    sounds: Option<Vec<(u64, Vec<f32>)>>,
+    sounds: Option<Vec<(u64, Vec<[f32; 2]>)>>,
+    heard: Heard,
     at_rest_n: f64,
     /// Steps taken, trials included.
     pub steps: u64,
@@ -145,9 +147,9 @@ impl<'a> Key<'a> {
         damper_m: f64,
         feet: &'a [(f64, PedalMove)],
         row_s: f64,
-        sound: bool,
+        sound: Option<Heard>,
     ) -> Result<Self, ActionError> {
-        let sounds = sound && instrument.has_yielding_strings();
+        let sounds = sound.is_some() && instrument.has_yielding_strings();
         let step_s = if sounds { 1.0 / f64::from(RATE_HZ) } else { instrument.usual_step_s() };
         let action = Action::with(instrument, Settings::new(step_s))?;
         let anatomy = Anatomy::find(instrument).ok();
@@ -186,6 +188,7 @@ impl<'a> Key<'a> {
             row_every: ((row_s / h).round() as u64).max(1),
             rows: Vec::new(),
             sounds: sounds.then(Vec::new),
+            heard: sound.unwrap_or_default(),
             steps: 0,
         })
     }
@@ -433,10 +436,15 @@ impl<'a> Key<'a> {
                 self.rows.push(row(now_s, reading, heard_n, self.rail_m()));
             }
             if let Some(sounds) = &mut self.sounds {
+                let sample = match self.heard {
+                    Heard::BridgeForce => [heard_n; 2],
+                    heard => self.action.strings().map_or([0.0; 2], |strings| heard.now(strings)),
+                }
+                .map(|x| x as f32);
                 // The sample that ends with this step.
                 match sounds.last_mut() {
-                    Some((from, samples)) if *from + samples.len() as u64 == self.n => samples.push(heard_n as f32),
-                    _ => sounds.push((self.n, vec![heard_n as f32])),
+                    Some((from, samples)) if *from + samples.len() as u64 == self.n => samples.push(sample),
+                    _ => sounds.push((self.n, vec![sample])),
                 }
             }
         }
@@ -471,12 +479,12 @@ impl<'a> Key<'a> {
         if !self.rows.is_empty() && (all || self.rows.len() >= BLOCK) {
             sink.take(Block::Rows(std::mem::take(&mut self.rows)))?;
         }
-        let samples = |sounds: &[(u64, Vec<f32>)]| sounds.iter().map(|(_, one)| one.len()).sum::<usize>();
+        let samples = |sounds: &[(u64, Vec<[f32; 2]>)]| sounds.iter().map(|(_, one)| one.len()).sum::<usize>();
         if let Some(sounds) = &mut self.sounds
             && (all || samples(sounds) >= 16 * BLOCK)
         {
-            for (from, bridge_n) in sounds.drain(..) {
-                sink.take(Block::Sound { from, bridge_n })?;
+            for (from, samples) in sounds.drain(..) {
+                sink.take(Block::Sound { from, samples })?;
             }
         }
         Ok(())

@@ -1,5 +1,6 @@
 //! Options of a performance.
 
+use erard::run::Heard;
 use erard_workshop::cores;
 
 /// Options of a performance.
@@ -7,8 +8,8 @@ use erard_workshop::cores;
 pub struct Options {
     /// Interval of the rows while a key is awake, s; rounded to steps.
     pub row_s: f64,
-    /// Whether sound is handed over; all keys are then stepped by a sample.
-    pub sound: bool,
+    /// What sound is handed over, if any; all keys are then stepped by a sample.
+    pub sound: Option<Heard>,
     /// Number of notes with faults, and of notes without, that are kept for each key as [`crate::Moment`]s.
     pub moments: usize,
     /// Number of threads. The results do not depend on it.
@@ -17,6 +18,6 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { row_s: 1e-3, sound: false, moments: 0, threads: cores::count() }
+        Options { row_s: 1e-3, sound: None, moments: 0, threads: cores::count() }
     }
 }

@@ -21,13 +21,14 @@ pub const COLUMNS: [&str; 9] = [
 pub enum Block {
     /// Rows in the order of time.
     Rows(Vec<[f64; COLUMNS.len()]>),
-    /// Force on the bridge less what lies on it at rest, N, [`RATE_HZ`](crate::RATE_HZ) samples a second, from a
-    /// sample's number on, counted from the performance's beginning.
+    /// What is heard ([`Options::sound`](crate::Options::sound)), a force on the bridge less what lies on it at rest,
+    /// [`RATE_HZ`](crate::RATE_HZ) samples a second, from a sample's number on, counted from the performance's
+    /// beginning.
     Sound {
         /// Number of the first sample.
         from: u64,
-        /// N.
-        bridge_n: Vec<f32>,
+        /// Two channels, N or Pa.
+        samples: Vec<[f32; 2]>,
     },
 }
 

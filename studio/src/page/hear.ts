@@ -26,5 +26,5 @@ export const hear = async (app: App, actions: number[]): Promise<string> => {
   await new Promise<void>((resolve, reject) => {
     play(notes, resolve).catch(reject);
   });
-  return `Heard: the strings\u2019 force on the bridge, without a soundboard, at the same gain for all notes. ${said.join("; ")}.`;
+  return `Heard: the strings\u2019 force on the bridge, not what the soundboard radiates, at the same gain for all notes. ${said.join("; ")}.`;
 };

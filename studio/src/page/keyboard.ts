@@ -190,7 +190,7 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     meter.hidden = false;
     meter.value = Math.max(Math.min(peak, 1), FALLS * meter.value);
     if (clipped) loud += clipped;
-    const text = `Heard: the strings\u2019 force on the bridge, without a soundboard; ${dropouts ? `${dropouts} drop-${dropouts === 1 ? "out" : "outs"}, ${fixed(lost_s, 1)} s` : "no drop-outs"}${loud ? `; ${loud} samples were too loud` : ""}.`;
+    const text = `Heard: the strings\u2019 force on the bridge, not what the soundboard radiates; ${dropouts ? `${dropouts} drop-${dropouts === 1 ? "out" : "outs"}, ${fixed(lost_s, 1)} s` : "no drop-outs"}${loud ? `; ${loud} samples were too loud` : ""}.`;
     if (sound_said.textContent !== text) sound_said.textContent = text;
   };
   let loud = 0;

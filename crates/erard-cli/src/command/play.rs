@@ -8,6 +8,7 @@ use erard::instrument::Instrument;
 use erard::instrument_spec::Base;
 use erard::keyboard::Keyboard;
 use erard::parameter::Quantity;
+use erard::run::Heard;
 use erard_figures::page::{Shown, page_html};
 use erard_midi::{Law, file};
 use erard_piece::{Options, PerformError, Performance, Score, passage, perform};
@@ -28,7 +29,7 @@ use crate::print_line;
 use crate::session::Session;
 use crate::table::many;
 use crate::warn;
-use crate::wav::{Gain, limited};
+use crate::wav::Gain;
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/play.txt");
@@ -63,9 +64,9 @@ pub(crate) struct Play {
     /// Time from one row of an action to the next while it is awake, ms, 0.05 to 1000
     #[arg(long, value_name = "MS", default_value_t = 1.0, value_parser = between(Quantity::Time, "ms", 0.05, 1000.0), allow_hyphen_values = true)]
     record_interval: f64,
-    /// Also write the force of all strings on the bridge as sound, NAME.wav in the output folder. Needs modal strings.
-    /// 48 kHz, 16 bit; full scale is 150 N for all notes. No soundboard radiates: it does not sound like a piano. Steps
-    /// are then 1/48000 s [default: play.wav]
+    /// Also write the sound pressure at two places 1 m before the soundboard, NAME.wav in the output folder; without a
+    /// board that moves, the force on the bridge. Needs modal strings. Stereo, 48 kHz, 16 bit; full scale is 10 Pa (150
+    /// N) for all notes. Without a room. Steps are then 1/48000 s [default: play.wav]
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "play.wav", value_parser = wav_name)]
     wav: Option<String>,
     /// With --wav: scale the sound so that its peak is at 0.9 of full scale
@@ -106,8 +107,8 @@ impl Play {
         output.text(session, "play.html", &page::html(&played))?;
         let written = output.commit(session)?;
         self.tell(session, &played);
-        for (file, beyond) in played.sides.iter().filter_map(|side| side.heard.as_ref()) {
-            limited(file, *beyond).into_iter().for_each(|line| warn!(session, "{line}"));
+        for (_, limited) in played.sides.iter().filter_map(|side| side.heard.as_ref()) {
+            limited.iter().for_each(|line| warn!(session, "{line}"));
         }
         Ok(Answer::of(&summary)?.end(session, &written))
     }
@@ -149,7 +150,12 @@ impl Play {
             return Err(Failure::Usage(format!("{}: {message}", keyboard.name)));
         }
         let moments = usize::from(self.slow_motion);
-        let options = Options { row_s: 1e-3 * self.record_interval, sound: self.wav.is_some(), moments, threads };
+        let options = Options {
+            row_s: 1e-3 * self.record_interval,
+            sound: self.wav.is_some().then(|| Heard::of(&instruments)),
+            moments,
+            threads,
+        };
         let (spools, file) = (Spools::default(), output.spools());
         let mut progress = session.progress(&format!("playing on {}", keyboard.name));
         let started = Instant::now();
@@ -163,13 +169,14 @@ impl Play {
         output.stage(session, &format!("actions{mark}.parquet"), |w| rows.write(&made_by, w))?;
         let mut heard = None;
         if let Some(name) = &self.wav {
-            let gain = Gain::new(self.wav_peak);
+            let gain = Gain::new(options.sound.unwrap_or_default(), self.wav_peak);
             let mixed =
                 file().and_then(|file| sound.mix(file, gain)).map_err(|e| Failure::write(self.out.folder(), e))?;
             let name = format!("{}{mark}.wav", &name[..name.len() - ".wav".len()]);
             let beyond = mixed.limited;
             output.stage(session, &name, |w| mixed.write_wav(gain, file()?, w))?;
-            heard = Some((name, beyond));
+            let limited = gain.limited(&name, beyond);
+            heard = Some((name, limited));
         }
         let pages = self.slow_motions(session, &instruments, &performance, mark, output)?;
         let side = Side { name: keyboard.name.clone(), performance, elapsed_s, pages, heard };

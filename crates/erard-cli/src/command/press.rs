@@ -6,7 +6,7 @@ use erard::level::LevelError;
 use erard::parameter::Quantity;
 use erard::player::{Inside, LossRecorder, Observer, ReactionRecorder};
 use erard::run::Run;
-use erard::run::{RATE_HZ, Sound, sound};
+use erard::run::{Heard, RATE_HZ, Sound, sound};
 use erard::run::{Setup, simulate_observed};
 use erard::strings::Pedal;
 use erard::stroke::Columns;
@@ -27,7 +27,7 @@ use crate::spectrogram::spectrogram_picture;
 use crate::summary::{MEASURES, Measure, Summary, headlines, value};
 use crate::table::Table;
 use crate::warn;
-use crate::wav::{Gain, limited};
+use crate::wav::Gain;
 use erard_figures::drawing::moving_svg;
 use erard_figures::figure::run_picture;
 use erard_figures::page::{Shown, page_html};
@@ -70,9 +70,10 @@ pub(crate) struct Press {
     /// Also write the note as a picture that moves, slowed, in any browser: moving.svg
     #[arg(long)]
     moving: bool,
-    /// Write the strings' force on the bridge as sound, NAME.wav in the output folder, and its spectrogram (SVG and
-    /// PNG). Needs modal strings. 48 kHz, 16 bit; full scale is 150 N for all notes. No soundboard radiates: it does
-    /// not sound like a piano. The note is simulated again for it in steps of 1/96000 s [default: note.wav]
+    /// Write the sound pressure at two places 1 m before the soundboard, NAME.wav in the output folder, and the
+    /// spectrogram of the left one (SVG and PNG); without a board that moves, the force on the bridge. Needs modal
+    /// strings. Stereo, 48 kHz, 16 bit; full scale is 10 Pa (150 N) for all notes. Without a room. The note is
+    /// simulated again for it in steps of 1/96000 s [default: note.wav]
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "note.wav", value_parser = wav_name)]
     wav: Option<String>,
     /// With --wav: scale the sound so that its peak is at 0.9 of full scale
@@ -98,6 +99,14 @@ fn steps(text: &str) -> Result<u64, String> {
 }
 
 /// A name of a file in the output folder that says what it is.
+/// What a sound file holds.
+pub(super) fn heard_as(heard: Heard) -> &'static str {
+    match heard {
+        Heard::Pressure => "the sound pressure 1 m before the board, without a room",
+        _ => "the force on the bridge, without a soundboard",
+    }
+}
+
 pub(super) fn wav_name(text: &str) -> Result<String, String> {
     let is_sound = text.len() > 4 && text.to_ascii_lowercase().ends_with(".wav");
     if !is_sound || text.contains(['/', '\\', ':']) {
@@ -170,14 +179,16 @@ impl Press {
         if self.reactions {
             output.figure(session, "reactions", &reactions_picture(&run, &title, &pins))?;
         }
-        let gain = Gain::new(self.wav_peak);
         let sound = match &self.wav {
             Some(name) => listen(session, instrument, &stroke, &setup)?.map(|sound| (name, sound)),
             None => None,
         };
         if let Some((name, sound)) = &sound {
+            let gain = Gain::new(sound.heard, self.wav_peak);
             output.stage(session, name, |w| crate::wav::write(sound, gain, w))?;
-            output.figure(session, "spectrogram", &spectrogram_picture(&sound.bridge_n, f64::from(RATE_HZ), &title))?;
+            let left: Vec<f64> = sound.samples.iter().map(|[left, _]| *left).collect();
+            let what = heard_as(sound.heard);
+            output.figure(session, "spectrogram", &spectrogram_picture(&left, f64::from(RATE_HZ), &title, what))?;
         }
         let mut lost = None;
         if let Some((recorded, losses)) = inside.losses.as_ref().and_then(|one| Some((one, one.losses()?))) {
@@ -203,10 +214,13 @@ impl Press {
             answer = answer.with("losses", report)?;
         }
         if let Some((name, sound)) = &sound {
-            let beyond = sound.bridge_n.iter().filter(|n| gain.limits(**n)).count();
-            let heard = json!({"file": name, "peak_N": sound.peak_n(), "limited_samples": beyond});
+            let gain = Gain::new(sound.heard, self.wav_peak);
+            let beyond = sound.samples.iter().flatten().filter(|n| gain.limits(**n)).count();
+            let (peak, force) = (sound.peak(), sound.heard == Heard::BridgeForce);
+            let peaks = [Some(peak).filter(|_| force), Some(peak).filter(|_| !force)];
+            let heard = json!({"file": name, "peak_N": peaks[0], "peak_Pa": peaks[1], "limited_samples": beyond});
             answer = answer.with("sound", &heard)?;
-            limited(name, beyond as u64).into_iter().for_each(|line| warn!(session, "{line}"));
+            gain.limited(name, beyond as u64).into_iter().for_each(|line| warn!(session, "{line}"));
         }
 
         print_line!(session, "{} - {} ({driven})", run.instrument, stroke.title);
@@ -230,11 +244,8 @@ impl Press {
             print_line!(session, "{}", report.table());
         }
         if let Some((name, sound)) = &sound {
-            print_line!(
-                session,
-                "{name} is the force on the bridge, {:.2} N at most, without a soundboard; steps of 1/96000 s",
-                sound.peak_n()
-            );
+            let (what, peak) = (heard_as(sound.heard), format!("{:.3}", sound.peak()));
+            print_line!(session, "{name} is {what}, {peak} {} at most; steps of 1/96000 s", sound.heard.unit());
             print_line!(session);
         }
         for warning in &summary.warnings {

@@ -15,8 +15,8 @@ pub(crate) struct Side {
     pub elapsed_s: f64,
     /// Notes that have a page of their own, by their number from 0, and its name.
     pub pages: Vec<(usize, String)>,
-    /// The file of its sound, if there is one, and how many samples its gain has limited.
-    pub heard: Option<(String, u64)>,
+    /// The file of its sound, if there is one, and what is said of samples that its gain has limited.
+    pub heard: Option<(String, Option<String>)>,
 }
 
 /// A piece and who played it.

@@ -36,10 +36,10 @@ impl Sink for Spool {
                 rows.iter().flatten().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes()));
                 self.0.rows.write_all(&bytes)
             }
-            Block::Sound { from, bridge_n } => {
+            Block::Sound { from, samples } => {
                 bytes.extend_from_slice(&from.to_le_bytes());
-                bytes.extend_from_slice(&(bridge_n.len() as u64).to_le_bytes());
-                bridge_n.iter().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes()));
+                bytes.extend_from_slice(&(samples.len() as u64).to_le_bytes());
+                samples.iter().flatten().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes()));
                 self.0.sound.write_all(&bytes)
             }
         }
@@ -102,8 +102,8 @@ pub(crate) struct Mixed {
     file: File,
     /// Its samples.
     pub samples: u64,
-    /// Its largest force on the bridge, N.
-    pub peak_n: f64,
+    /// The largest of them, N or Pa.
+    pub peak: f64,
     /// Samples that the gain limits.
     pub limited: u64,
 }
@@ -137,7 +137,7 @@ impl Stretches {
     }
 
     /// Adds what it has of the samples from one on.
-    fn add(&mut self, from: u64, to: &mut [f64]) -> io::Result<()> {
+    fn add(&mut self, from: u64, to: &mut [[f64; 2]]) -> io::Result<()> {
         let end = from + to.len() as u64;
         while let Some([first, length]) = self.now {
             if first >= end {
@@ -145,9 +145,11 @@ impl Stretches {
             }
             let part = (end - first).min(length);
             for n in 0..part {
-                let mut number = [0; 4];
-                self.file.read_exact(&mut number)?;
-                to[(first + n - from) as usize] += f64::from(f32::from_le_bytes(number));
+                for channel in &mut to[(first + n - from) as usize] {
+                    let mut number = [0; 4];
+                    self.file.read_exact(&mut number)?;
+                    *channel += f64::from(f32::from_le_bytes(number));
+                }
             }
             self.now = Some([first + part, length - part]);
             if part == length {
@@ -163,20 +165,20 @@ impl Sound {
     pub(crate) fn mix(self, file: File, gain: Gain) -> io::Result<Mixed> {
         let mut keys = self.0.into_iter().map(Stretches::new).collect::<io::Result<Vec<_>>>()?;
         let mut out = BufWriter::new(file);
-        let (mut samples, mut peak_n, mut limited) = (0_u64, 0.0_f64, 0_u64);
+        let (mut samples, mut peak, mut limited) = (0_u64, 0.0_f64, 0_u64);
         while keys.iter().any(|key| key.now.is_some()) {
-            let mut second = vec![0.0; RATE_HZ as usize];
+            let mut second = vec![[0.0; 2]; RATE_HZ as usize];
             for key in &mut keys {
                 key.add(samples, &mut second)?;
             }
-            for n in &second {
-                peak_n = peak_n.max(n.abs());
+            for n in second.iter().flatten() {
+                peak = peak.max(n.abs());
                 limited += u64::from(gain.limits(*n));
                 out.write_all(&n.to_le_bytes())?;
             }
             samples += second.len() as u64;
         }
-        Ok(Mixed { file: out.into_inner().map_err(io::IntoInnerError::into_error)?, samples, peak_n, limited })
+        Ok(Mixed { file: out.into_inner().map_err(io::IntoInnerError::into_error)?, samples, peak, limited })
     }
 }
 
@@ -185,10 +187,11 @@ impl Mixed {
     pub(crate) fn write_wav(mut self, gain: Gain, spool: File, writer: &mut dyn Write) -> io::Result<()> {
         self.file.rewind()?;
         let mut file = BufReader::new(self.file);
-        let mut samples = (0..self.samples).map(|_| {
+        let mut number = || {
             let mut number = [0; 8];
             file.read_exact(&mut number).map(|()| f64::from_le_bytes(number))
-        });
-        crate::wav::write_long(self.samples, self.peak_n, gain, &mut samples, spool, writer)
+        };
+        let mut samples = (0..self.samples).map(|_| Ok([number()?, number()?]));
+        crate::wav::write_long(self.samples, self.peak, gain, &mut samples, spool, writer)
     }
 }

@@ -159,15 +159,18 @@ fn sound_is_written_under_a_name() {
         ["press", "--instrument", "concert-grand-strings", "--duration", duration_s, "--out", "press", "--wav"]
     };
     let said = folder.good(&[&press("0.6")[..], &["mine.wav"]].concat());
-    assert!(said.contains("mine.wav is the force on the bridge") && folder.0.join("press/mine.wav").exists(), "{said}");
+    assert!(said.contains("mine.wav is the sound pressure 1 m before the board"), "{said}");
     let mut reader = hound::WavReader::open(folder.0.join("press/mine.wav")).unwrap();
-    assert_eq!(reader.spec().sample_rate, 48_000);
+    assert_eq!((reader.spec().sample_rate, reader.spec().channels), (48_000, 2));
     let samples: Vec<f64> = reader.samples::<i16>().map(|s| f64::from(s.unwrap())).collect();
-    // A full scale is 150 N for all notes; scaled by its peak, the same sound is at 0.9 of it. The page plays the file.
+    // A full scale is 10 Pa for all notes; scaled by its peak, the same sound is at 0.9 of it. The page plays the file.
     let largest = |samples: &[f64]| samples.iter().fold(0.0, |most: f64, x| most.max(x.abs())) / 32_767.0;
-    let peak_n: f64 =
-        said.split("on the bridge, ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
-    assert!((150.0 * largest(&samples) - peak_n).abs() < 0.01, "{} {peak_n}", 150.0 * largest(&samples));
+    let peak_pa: f64 =
+        said.split("without a room, ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
+    assert!((10.0 * largest(&samples) - peak_pa).abs() < 2e-3, "{} {peak_pa}", 10.0 * largest(&samples));
+    // A forte a metre before a piano is as loud as 80 to 100 dB: 0.2 to 2 Pa.
+    let loud = samples.iter().map(|x| (10.0 * x / 32_767.0).powi(2)).sum::<f64>() / samples.len() as f64;
+    println!("peak {peak_pa} Pa, {:.1} dB over the file", 10.0 * (loud / 4e-10).log10());
     let page = std::fs::read_to_string(folder.0.join("press/run.html")).unwrap();
     assert!(
         page.contains("<audio controls preload=\"none\" src=\"mine.wav\">") && page.contains("media-src 'self' file:")
@@ -180,7 +183,10 @@ fn sound_is_written_under_a_name() {
     assert!(said.contains("--wav"), "{said}");
     // The last fifth of a second in Hann's window, so that what falls does not spread, against sines of both phases: C4
     // stands out from what lies a semitone beside it.
-    let tail = &samples[samples.len() - 9600..];
+    let left: Vec<f64> = samples.iter().step_by(2).copied().collect();
+    let right: Vec<f64> = samples.iter().skip(1).step_by(2).copied().collect();
+    assert!(left != right && largest(&right) > 0.1 * largest(&left), "two places hear two things");
+    let tail = &left[left.len() - 9600..];
     let part = |hz: f64| {
         let sum = |phase: f64| -> f64 {
             let turn = |n: usize| std::f64::consts::TAU * hz * n as f64 / 48e3 + phase;

@@ -44,8 +44,9 @@ fn note(folder: &Folder, text: &str, stroke: &[&str], duration: &str) -> Vec<f64
             .concat();
     folder.good(&arguments);
     let reader = hound::WavReader::open(folder.0.join("out/note.wav")).unwrap();
-    assert_eq!((reader.spec().sample_rate, reader.spec().channels, reader.spec().bits_per_sample), (48_000, 1, 16));
-    reader.into_samples::<i16>().map(|sample| f64::from(sample.unwrap()) / 32_768.0).collect()
+    assert_eq!((reader.spec().sample_rate, reader.spec().channels, reader.spec().bits_per_sample), (48_000, 2, 16));
+    // The left channel.
+    reader.into_samples::<i16>().step_by(2).map(|sample| f64::from(sample.unwrap()) / 32_768.0).collect()
 }
 
 /// Amplitude and phase of what swings at a frequency, in a window of Hann squared from a sample on.

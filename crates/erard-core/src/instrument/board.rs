@@ -38,7 +38,7 @@ impl Band {
 
     /// The modes of a seed, from the lowest.
     pub(super) fn modes(&self, name: &str, seed: u64) -> Vec<BridgeMode> {
-        let mut random = Random(name.bytes().fold(seed, |seed, byte| Random(seed ^ u64::from(byte)).next()));
+        let mut random = Random::named(name, seed);
         let mode = |index: usize| {
             // What is left of the band at its end has a part of a mode: the conductance is a continuous function of all
             // numbers.
@@ -59,9 +59,14 @@ impl Band {
 }
 
 /// Random numbers that are the same on every target (SplitMix64).
-struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
+    /// Those of a name and a seed.
+    pub(crate) fn named(name: &str, seed: u64) -> Self {
+        Random(name.bytes().fold(seed, |seed, byte| Random(seed ^ u64::from(byte)).next()))
+    }
+
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut x = self.0;
@@ -71,7 +76,7 @@ impl Random {
     }
 
     /// Between 0 and 1, neither of them.
-    fn part(&mut self) -> f64 {
+    pub(crate) fn part(&mut self) -> f64 {
         ((self.next() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
     }
 }

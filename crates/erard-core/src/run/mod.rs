@@ -9,7 +9,7 @@ mod sound;
 
 pub use setup::{MAX_ROWS, MAX_ROWS_ASKED, Setup, SimulationError, TOLERANCES};
 pub use simulation::{press, press_by_hand, simulate, simulate_at_rest, simulate_from, simulate_observed};
-pub use sound::{RATE_HZ, Sound, sound};
+pub use sound::{Heard, RATE_HZ, Sound, sound};
 
 pub use crate::events::Events;
 pub use crate::player::{BodySeries, ControlWork, StringSeries, Work, ZoneSeries};

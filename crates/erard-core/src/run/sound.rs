@@ -1,4 +1,4 @@
-//! The force on the bridge as sound. It is not the sound of a piano: there is no soundboard and no room.
+//! Notes as sound: the pressure before the board, or the force on a bridge that does not move. There is no room.
 
 use moreau::Settings;
 
@@ -15,18 +15,63 @@ pub const RATE_HZ: u32 = 48_000;
 /// Steps per sample. The strings have no partials above 20 kHz, so that taking every other step folds nothing back.
 pub(crate) const STEPS_PER_SAMPLE: u64 = 2;
 
-/// The force of a note's strings on the bridge.
+/// What is heard of strings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Heard {
+    /// Their force on a bridge that does not move, N, the same on both channels.
+    #[default]
+    BridgeForce,
+    /// The pressure at two places before the soundboard, Pa ([`Strings::pressure_pa`]).
+    Pressure,
+}
+
+impl Heard {
+    /// What is heard of instruments together: the pressure, if the strings of all that have some move a board.
+    #[must_use]
+    pub fn of(instruments: &[Instrument]) -> Self {
+        let mut strung = instruments.iter().filter(|instrument| instrument.has_yielding_strings());
+        match strung.all(|own| !own.roles.rigid_bridge && !own.bridge_modes.is_empty()) {
+            true => Heard::Pressure,
+            false => Heard::BridgeForce,
+        }
+    }
+
+    /// Unit of its numbers.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Heard::BridgeForce => "N",
+            Heard::Pressure => "Pa",
+        }
+    }
+
+    /// What is heard now, on two channels. A static load is part of a force.
+    #[must_use]
+    pub fn now(self, strings: &Strings) -> [f64; 2] {
+        match self {
+            Heard::BridgeForce => [strings.bridge_n(); 2],
+            Heard::Pressure => strings.pressure_pa().unwrap_or_default(),
+        }
+    }
+}
+
+/// A note as sound, [`RATE_HZ`] samples a second, from the stroke's start.
 #[derive(Debug, Clone, Default)]
 pub struct Sound {
-    /// Force, N, [`RATE_HZ`] samples a second, from the stroke's start, without the initial static load.
+    /// What the samples are.
+    pub heard: Heard,
+    /// Samples of two channels, N without the initial static load, or Pa.
+    pub samples: Vec<[f64; 2]>,
+    /// Force of the strings on the bridge, N, without the initial static load.
     pub bridge_n: Vec<f64>,
 }
 
 impl Sound {
-    /// The largest force, N, either way.
+    /// The largest sample, N or Pa, either way.
     #[must_use]
-    pub fn peak_n(&self) -> f64 {
-        self.bridge_n.iter().fold(0.0, |peak: f64, n| peak.max(n.abs()))
+    pub fn peak(&self) -> f64 {
+        self.samples.iter().flatten().fold(0.0, |peak: f64, n| peak.max(n.abs()))
     }
 }
 
@@ -44,14 +89,21 @@ impl Observer for Microphone {
 
     fn step(&mut self, _: f64, _: bool, mechanism: &dyn Mechanism) {
         self.steps += 1;
-        if self.steps.is_multiple_of(STEPS_PER_SAMPLE) {
-            self.sound.bridge_n.push(Strings::under(mechanism).map_or(0.0, Strings::bridge_n) - self.rest_n);
+        if self.steps.is_multiple_of(STEPS_PER_SAMPLE)
+            && let Some(strings) = Strings::under(mechanism)
+        {
+            let bridge_n = strings.bridge_n() - self.rest_n;
+            self.sound.bridge_n.push(bridge_n);
+            self.sound.samples.push(match self.sound.heard {
+                Heard::BridgeForce => [bridge_n; 2],
+                heard => heard.now(strings),
+            });
         }
     }
 }
 
-/// Plays a stroke in steps of 1/96000 s, whatever its other settings, and records the force on the bridge. `None` where
-/// the string is rigid.
+/// Plays a stroke in steps of 1/96000 s, whatever its other settings, and records it as sound. `None` where the string
+/// is rigid.
 ///
 /// # Errors
 /// As [`crate::run::simulate`].
@@ -69,7 +121,8 @@ pub fn sound(
     let steps = (setup.duration_s / step) as u64;
     // A row is kept of the end only.
     let setup = Setup { settings, record_every: Some(steps.max(1)), tolerance: None, ledger: false, ..*setup };
-    let mut microphone = Microphone { sound: Sound::default(), rest_n: 0.0, steps: 0 };
+    let sound = Sound { heard: Heard::of(std::slice::from_ref(instrument)), ..Sound::default() };
+    let mut microphone = Microphone { sound, rest_n: 0.0, steps: 0 };
     simulate_observed(instrument, drive, &setup, &mut microphone, progress)?;
     Ok(Some(microphone.sound))
 }

@@ -284,6 +284,14 @@ impl Bridge {
         [block.q[index % WIDE], block.v[index % WIDE]]
     }
 
+    /// The sum of its modes' velocities, each with its weights: of weights in Pa s/m the pressures, Pa.
+    pub(crate) fn weighted(&self, weights: &[Pair]) -> Pair {
+        weights.iter().enumerate().fold([0.0; 2], |[left, right], (index, weight)| {
+            let v = self.blocks[index / WIDE].v[index % WIDE];
+            [left + weight[0] * v, right + weight[1] * v]
+        })
+    }
+
     /// Sets one of them.
     pub(crate) fn set_mode(&mut self, index: usize, velocity: bool, number: f64) {
         if index < self.own.len() {

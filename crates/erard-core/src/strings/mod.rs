@@ -44,6 +44,7 @@ mod bridge;
 mod damping;
 mod modal;
 mod pedal;
+mod radiation;
 mod rows;
 mod shape_probe;
 

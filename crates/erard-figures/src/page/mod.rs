@@ -197,7 +197,7 @@ pub fn audio(file: &str) -> String {
         })
         .collect();
     format!(
-        "<p><audio controls preload=\"none\" src=\"{address}\"></audio> The strings\u{2019} force on the bridge, without a soundboard.</p>\n"
+        "<p><audio controls preload=\"none\" src=\"{address}\"></audio> Before the soundboard, without a room; where no board moves, the strings\u{2019} force on the bridge.</p>\n"
     )
 }
 

@@ -1,5 +1,6 @@
 //! Rows and sound are the same on any number of threads.
 
+use erard::run::Heard;
 use erard_piece::{Block, Options, PerformError, Silence, perform};
 
 use crate::common::{RIGID, STRINGS, foot, kept, note, score};
@@ -20,13 +21,16 @@ fn same_on(numbers: &[usize]) {
     let notes = vec![note(40, 0.45, 0.6, 70), note(52, 0.5, 0.7, 50), note(64, 0.55, 0.8, 90), note(40, 0.65, 0.8, 60)];
     let score =
         score(notes, vec![foot(0.5, erard_midi::message::SUSTAIN, 100), foot(0.9, erard_midi::message::SUSTAIN, 0)]);
-    let on = |threads: usize| kept(&score, &STRINGS, &Options { threads, sound: true, ..Options::default() });
+    let on = |threads: usize| {
+        kept(&score, &STRINGS, &Options { threads, sound: Some(Heard::Pressure), ..Options::default() })
+    };
     let (first, blocks) = on(1);
     for &threads in numbers {
         let (other, same) = on(threads);
         assert_eq!((&first.notes, first.steps, blocks.blocks()), (&other.notes, other.steps, same.blocks()));
     }
-    let is_loud = |block: &Block| matches!(block, Block::Sound { bridge_n, .. } if bridge_n.iter().any(|n| *n > 1.0));
+    let is_loud =
+        |block: &Block| matches!(block, Block::Sound { samples, .. } if samples.iter().flatten().any(|pa| *pa > 0.02));
     assert!(blocks.blocks().values().all(|all| all.iter().any(is_loud)));
 }
 

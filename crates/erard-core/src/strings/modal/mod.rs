@@ -13,6 +13,7 @@ use moreau_kernels::{Mechanism, Parts, Readout};
 use super::bridge::{Bridge, Pair, dot};
 use super::damping::{self, Coupling, DASHPOTS, Felt, Rocks, all_rocks, coupling, felt_of};
 use super::pedal::Rail;
+use super::radiation;
 use super::rows::{Block, Row, WIDE, added, transition};
 use crate::identity::by_name;
 use crate::instrument::REACH_HZ;
@@ -70,6 +71,8 @@ fn moved(per_newton: [Pair; 2], one: Pair, other: Pair) -> f64 {
 pub struct Strings {
     strings: Vec<PianoString>,
     bridge_modes: Vec<crate::instrument::BridgeMode>,
+    /// What the bridge's modes send to two places ([`radiation`]), Pa s/m.
+    radiated: Vec<Pair>,
     /// The bridge's modes in the order of their names.
     bridge_order: Vec<usize>,
     /// The hammer's, those of the dampers' felts, and the pedal's rail's.
@@ -146,6 +149,7 @@ impl Strings {
         let order: [usize; MAX_BRIDGE_MODES] = by_name(bridge_modes.iter().map(|mode| mode.name.as_str()));
         Some(Strings {
             strings: instrument.strings.clone(),
+            radiated: radiation::gains(&bridge_modes),
             bridge_order: order[..bridge_modes.len()].to_vec(),
             bridge_modes,
             zones,

@@ -40,6 +40,13 @@ impl Strings {
         self.bridge.as_ref().map_or(self.sum_n, |bridge| bridge.force_n(self.sum_n))
     }
 
+    /// Sound pressure now at two places 1 m before the board, Pa, half a metre apart, without the way of the sound to
+    /// them and without a room: an estimate. `None` where no board moves.
+    #[must_use]
+    pub fn pressure_pa(&self) -> Option<[f64; 2]> {
+        self.bridge.as_ref().map(|bridge| bridge.weighted(&self.radiated))
+    }
+
     /// Displacement of the bridge in the direction of the blow now, m; 0 where it does not move.
     #[must_use]
     pub fn bridge_m(&self) -> f64 {
