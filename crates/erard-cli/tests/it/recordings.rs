@@ -119,7 +119,10 @@ fn a_laboratory_s_recording_in_one_command() {
     assert!(said.contains(&format!("up to {told_to:.0} Hz")), "{said}");
     // The conclusion comes first; how the recording was prepared, last. No line is wider than a terminal.
     let place = |words: &str| said.find(words).unwrap_or_else(|| panic!("{words}: {said}"));
-    assert!(place("driven by force") < place("explained") && place("explained") < place("zero:"), "{said}");
+    assert!(
+        place("Variance explained") < place("driven by force") && place("driven by force") < place("zero:"),
+        "{said}"
+    );
     assert!(said.lines().all(|line| line.chars().count() <= 100), "{said}");
     // A part of each share is the rest before the touch, in the numbers too.
     let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
