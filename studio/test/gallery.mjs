@@ -53,7 +53,8 @@ const HOLDS = {
   pedal: async (page) => {
     await until(page, () => studio.hammerSpeedOf(0) > 1 && studio.poses[0].time_s > 0.9 && studio.poses[0].key_m < 1e-3, undefined, 60_000);
     const before = await page.evaluate(() => studio.poses[0].swing_m);
-    assert(before > 5e-5, `the string swings by ${before} m`);
+    // Of half a millimetre; the soundboard has taken the rest.
+    assert(before > 1e-5, `the string swings by ${before} m`);
     await page.evaluate(() => document.activeElement.blur());
     await page.keyboard.press("p");
     await until(page, (before) => studio.poses[0].swing_m < 0.2 * before, before);

@@ -24,7 +24,8 @@ fn solve(reference: &mut Reference, kind: HandKind, speed_m_per_s: f64) -> Solve
 }
 
 fn played(instrument: &Instrument, stroke: &HandStroke, seconds: f64) -> Run {
-    let setup = Setup { record_every: Some(1), ..Setup::new(seconds) };
+    // In the usual steps, as levels are found: strings take shorter ones.
+    let setup = Setup { record_every: Some(1), ..Setup::of(instrument, seconds) };
     press_by_hand(instrument, stroke, &setup, &mut |_| true).unwrap()
 }
 
