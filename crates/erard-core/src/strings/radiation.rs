@@ -1,8 +1,9 @@
 //! What a soundboard radiates, as it is heard at two places before it, without a room: an estimate.
 //!
 //! **How loud a mode is.** A mode of effective mass M that moves the strings' ends at v has the kinetic energy M v^2 /
-//! 2, which is that of the whole board: of a mass mu per area it moves with S u^2 = M v^2 / mu in the mean over its area
-//! S. It radiates P = sigma rho c S u^2 into half the space, which at a distance d makes p^2 / (rho c) = P / (2 pi d^2),
+//! 2, which is that of the whole board: of a mass mu per area it moves with S u^2 = M v^2 / mu in the mean over its
+//! area S. It radiates P = sigma rho c S u^2 into half the space, which at a distance d makes p^2 / (rho c) = P / (2 pi
+//! d^2),
 //!
 //! ```text
 //! p = g v,   g = (rho c / d) sqrt(sigma M / (2 pi mu))
