@@ -252,10 +252,14 @@ impl<const B: usize, const Z: usize> Stepped<B, Z> {
             self.velocity_before = self.state.velocity;
             self.hand = hand_of(input, &self.state);
             // A mechanism that moves is not copied: it does not fall asleep in this step.
-            let before = self.state.stays(settings.step).then(|| self.state.clone());
+            let stands = self.state.stands();
+            let stays = stands || self.state.stays(settings.step);
+            // Rounding makes only a speed alternate that is there. What lies under the mechanism must be still, for the
+            // steps ahead to be those that would follow.
+            let may_go_round = stays && !stands && self.under.as_ref().is_none_or(|under| under.surfaces.rests());
+            let before = (may_go_round || (self.may_rest && stays)).then(|| self.state.clone());
             let report = match &before {
-                // What lies under it must be as still, for the steps ahead to be those that would follow.
-                Some(before) if self.under.as_ref().is_none_or(|under| under.surfaces.rests()) => {
+                Some(before) if may_go_round => {
                     step_or_stay(&self.model, settings, input, (before, &mut self.state), workspace)
                 }
                 _ => step_out_of_line(&self.model, settings, input, &mut self.state, workspace),

@@ -42,15 +42,20 @@ pub fn step_or_stay<T: Scalar, const B: usize, const Z: usize, const N: usize>(
     (before, state): (&State<T, B, Z>, &mut State<T, B, Z>),
     workspace: &mut Workspace<T, B, Z, N>,
 ) -> StepReport {
-    // Ahead on a copy first; then the step itself, which the workspace is left with.
-    let (mut ahead, mut goes_round) = (before.clone(), false);
-    for _ in 0..LONGEST_ROUND {
+    let report = step_out_of_line(model, settings, input, state, workspace);
+    if before.identical(state) || !state.stays(settings.step) {
+        return report;
+    }
+    let (mut ahead, mut goes_round) = (state.clone(), false);
+    for _ in 1..LONGEST_ROUND {
         step_out_of_line(model, settings, input, &mut ahead, workspace);
         goes_round = before.identical(&ahead);
         if goes_round || !ahead.stays(settings.step) {
             break;
         }
     }
+    // Once more, for the workspace.
+    state.clone_from(before);
     let report = step_out_of_line(model, settings, input, state, workspace);
     if goes_round {
         state.clone_from(before);
