@@ -98,7 +98,6 @@ fn steps(text: &str) -> Result<u64, String> {
     text.parse().ok().filter(|steps| *steps > 0).ok_or_else(|| "expected a whole number of steps, from 1".to_owned())
 }
 
-/// A name of a file in the output folder that says what it is.
 /// What a sound file holds.
 pub(super) fn heard_as(heard: Heard) -> &'static str {
     match heard {
@@ -107,6 +106,7 @@ pub(super) fn heard_as(heard: Heard) -> &'static str {
     }
 }
 
+/// A name of a file in the output folder that says what it is.
 pub(super) fn wav_name(text: &str) -> Result<String, String> {
     let is_sound = text.len() > 4 && text.to_ascii_lowercase().ends_with(".wav");
     if !is_sound || text.contains(['/', '\\', ':']) {
@@ -180,12 +180,12 @@ impl Press {
             output.figure(session, "reactions", &reactions_picture(&run, &title, &pins))?;
         }
         let sound = match &self.wav {
-            Some(name) => listen(session, instrument, &stroke, &setup)?.map(|sound| (name, sound)),
+            Some(name) => listen(session, instrument, &stroke, &setup)?
+                .map(|sound| (name, Gain::new(sound.heard, self.wav_peak), sound)),
             None => None,
         };
-        if let Some((name, sound)) = &sound {
-            let gain = Gain::new(sound.heard, self.wav_peak);
-            output.stage(session, name, |w| crate::wav::write(sound, gain, w))?;
+        if let Some((name, gain, sound)) = &sound {
+            output.stage(session, name, |w| crate::wav::write(sound, *gain, w))?;
             let left: Vec<f64> = sound.samples.iter().map(|[left, _]| *left).collect();
             let what = heard_as(sound.heard);
             output.figure(session, "spectrogram", &spectrogram_picture(&left, f64::from(RATE_HZ), &title, what))?;
@@ -213,8 +213,7 @@ impl Press {
         if let Some(report) = &lost {
             answer = answer.with("losses", report)?;
         }
-        if let Some((name, sound)) = &sound {
-            let gain = Gain::new(sound.heard, self.wav_peak);
+        if let Some((name, gain, sound)) = &sound {
             let beyond = sound.samples.iter().flatten().filter(|n| gain.limits(**n)).count();
             let (peak, force) = (sound.peak(), sound.heard == Heard::BridgeForce);
             let peaks = [Some(peak).filter(|_| force), Some(peak).filter(|_| !force)];
@@ -243,7 +242,7 @@ impl Press {
         if let Some(report) = &lost {
             print_line!(session, "{}", report.table());
         }
-        if let Some((name, sound)) = &sound {
+        if let Some((name, _, sound)) = &sound {
             let (what, peak) = (heard_as(sound.heard), format!("{:.3}", sound.peak()));
             print_line!(session, "{name} is {what}, {peak} {} at most; steps of 1/96000 s", sound.heard.unit());
             print_line!(session);
