@@ -2,7 +2,9 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Error, Seek, Write};
+use std::str::FromStr;
 
+use erard::knocks::Knock;
 use erard::run::{Heard, RATE_HZ, Sound};
 use hound::{SampleFormat, WavSpec, WavWriter};
 
@@ -15,6 +17,28 @@ pub(crate) const FULL_SCALE_PA: f64 = 10.0;
 const PEAK: f64 = 0.9;
 /// Channels of a file.
 const CHANNELS: u16 = 2;
+
+/// The knocks that are heard in a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct KnockList(pub Vec<Knock>);
+
+impl FromStr for KnockList {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "all" => return Ok(KnockList(Knock::ALL.to_vec())),
+            "none" => return Ok(KnockList(Vec::new())),
+            _ => {}
+        }
+        let named = |name: &str| {
+            let names = Knock::ALL.map(Knock::name).join(", ");
+            let found = Knock::ALL.into_iter().find(|one| one.name() == name.trim());
+            found.ok_or_else(|| format!("`{name}`; expected all, none, or some of {names}"))
+        };
+        text.split(',').map(named).collect::<Result<_, _>>().map(KnockList)
+    }
+}
 
 /// How loud a file of a sound is.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -33,12 +33,14 @@ pub mod instrument;
 pub mod instrument_spec;
 pub mod key;
 pub mod keyboard;
+pub mod knocks;
 pub mod level;
 pub mod mechanism;
 pub mod one_dof;
 pub mod parameter;
 pub mod player;
 mod progress;
+mod radiation;
 #[cfg(feature = "recordings")]
 pub mod recording;
 pub mod run;

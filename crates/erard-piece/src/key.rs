@@ -2,6 +2,7 @@
 
 use erard::grand::Anatomy;
 use erard::instrument::Instrument;
+use erard::knocks::{Knock, Knocks};
 use erard::player::ActionError;
 use erard::run::Heard;
 use erard::{Action, Progress, Reading, Settings, Snapshot, StepOutcome};
@@ -9,7 +10,7 @@ use erard::{Action, Progress, Reading, Settings, Snapshot, StepOutcome};
 use crate::error::PerformError;
 use crate::hand::Hand;
 use crate::score::{FULL_PEDAL_M, PedalMove};
-use crate::sink::{Block, COLUMNS, Sink};
+use crate::sink::{Block, COLUMNS, Sample, Sink};
 
 /// Samples of sound a second.
 pub const RATE_HZ: u32 = 48_000;
@@ -80,6 +81,8 @@ struct Watch {
     sent_m: f64,
     caught: bool,
     next_foot: usize,
+    /// Force of what knocks, N.
+    bed_n: f64,
     /// Smallest and largest force on the bridge since `since`, N.
     swing_n: [f64; 2],
     since: u64,
@@ -133,8 +136,9 @@ pub(crate) struct Key<'a> {
     row_every: u64,
     rows: Vec<[f64; COLUMNS.len()]>,
     /// Sound, if requested: first sample and samples.
-    sounds: Option<Vec<(u64, Vec<[f32; 2]>)>>,
+    sounds: Option<Vec<(u64, Vec<Sample>)>>,
     heard: Heard,
+    knocks: Knocks,
     at_rest_n: f64,
     /// Steps taken, trials included.
     pub steps: u64,
@@ -147,7 +151,7 @@ impl<'a> Key<'a> {
         damper_m: f64,
         feet: &'a [(f64, PedalMove)],
         row_s: f64,
-        sound: Option<Heard>,
+        sound: Option<(Heard, &[Knock])>,
     ) -> Result<Self, ActionError> {
         let sounds = sound.is_some() && instrument.has_yielding_strings();
         let step_s = if sounds { 1.0 / f64::from(RATE_HZ) } else { instrument.usual_step_s() };
@@ -159,6 +163,8 @@ impl<'a> Key<'a> {
             Some((parts.jack, carrier, angles[parts.jack] - angles[carrier]))
         });
         let senses = Senses { jack, check: instrument.roles.check, damper_m };
+        let (heard, asked) = sound.unwrap_or_default();
+        let knocks = Knocks::of(instrument, if heard == Heard::Pressure { asked } else { &[] });
         let watch = Watch {
             unready: None,
             checked: true,
@@ -168,6 +174,7 @@ impl<'a> Key<'a> {
             sent_m: 0.0,
             caught: false,
             next_foot: 0,
+            bed_n: bed_n(&knocks, &action),
             swing_n: [f64::INFINITY, f64::NEG_INFINITY],
             since: 0,
             quiet: true,
@@ -188,7 +195,8 @@ impl<'a> Key<'a> {
             row_every: ((row_s / h).round() as u64).max(1),
             rows: Vec::new(),
             sounds: sounds.then(Vec::new),
-            heard: sound.unwrap_or_default(),
+            heard,
+            knocks,
             steps: 0,
         })
     }
@@ -436,11 +444,13 @@ impl<'a> Key<'a> {
                 self.rows.push(row(now_s, reading, heard_n, self.rail_m()));
             }
             if let Some(sounds) = &mut self.sounds {
-                let sample = match self.heard {
+                let strings = match self.heard {
                     Heard::BridgeForce => [heard_n; 2],
                     heard => self.action.strings().map_or([0.0; 2], |strings| heard.now(strings)),
-                }
-                .map(|x| x as f32);
+                };
+                let bed_n = bed_n(&self.knocks, &self.action);
+                let sample = Sample { strings: strings.map(|x| x as f32), knocks_n: (bed_n - self.watch.bed_n) as f32 };
+                self.watch.bed_n = bed_n;
                 // The sample that ends with this step.
                 match sounds.last_mut() {
                     Some((from, samples)) if *from + samples.len() as u64 == self.n => samples.push(sample),
@@ -479,7 +489,7 @@ impl<'a> Key<'a> {
         if !self.rows.is_empty() && (all || self.rows.len() >= BLOCK) {
             sink.take(Block::Rows(std::mem::take(&mut self.rows)))?;
         }
-        let samples = |sounds: &[(u64, Vec<[f32; 2]>)]| sounds.iter().map(|(_, one)| one.len()).sum::<usize>();
+        let samples = |sounds: &[(u64, Vec<Sample>)]| sounds.iter().map(|(_, one)| one.len()).sum::<usize>();
         if let Some(sounds) = &mut self.sounds
             && (all || samples(sounds) >= 16 * BLOCK)
         {
@@ -499,4 +509,8 @@ impl<'a> Key<'a> {
 
 fn bridge_n(action: &Action) -> f64 {
     action.strings().map_or(0.0, |strings| strings.bridge_n())
+}
+
+fn bed_n(knocks: &Knocks, action: &Action) -> f64 {
+    knocks.force_n(|zone| action.contact_force(zone).unwrap_or_default())
 }

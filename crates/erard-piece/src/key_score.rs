@@ -67,7 +67,8 @@ pub(crate) fn play_key(
     sink: &mut dyn Sink,
     progress: &mut Progress<'_>,
 ) -> Result<KeyPlayed, PerformError> {
-    let key = Key::new(instrument, damper_m, &score.feet, options.row_s, options.sound)
+    let sound = options.sound.map(|heard| (heard, &options.knocks[..]));
+    let key = Key::new(instrument, damper_m, &score.feet, options.row_s, sound)
         .map_err(|error| PerformError::Action { key: number, error })?;
     let mut player = Player {
         key,

@@ -35,4 +35,4 @@ pub use note::{Fault, Played, Reason, Summary};
 pub use options::Options;
 pub use perform::{Performance, perform};
 pub use score::{FULL_PEDAL_M, LEAD_S, Score, WrittenNote, passage};
-pub use sink::{Block, COLUMNS, Silence, Sink};
+pub use sink::{Block, COLUMNS, Sample, Silence, Sink};

@@ -21,15 +21,24 @@ pub const COLUMNS: [&str; 9] = [
 pub enum Block {
     /// Rows in the order of time.
     Rows(Vec<[f64; COLUMNS.len()]>),
-    /// What is heard ([`Options::sound`](crate::Options::sound)), a force on the bridge less what lies on it at rest,
-    /// [`RATE_HZ`](crate::RATE_HZ) samples a second, from a sample's number on, counted from the performance's
-    /// beginning.
+    /// What is heard ([`Options::sound`](crate::Options::sound)), [`RATE_HZ`](crate::RATE_HZ) samples a second, from a
+    /// sample's number on, counted from the performance's beginning.
     Sound {
         /// Number of the first sample.
         from: u64,
-        /// Two channels, N or Pa.
-        samples: Vec<[f32; 2]>,
+        /// The samples.
+        samples: Vec<Sample>,
     },
+}
+
+/// A sample of a key's sound.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sample {
+    /// Two channels of its strings: pressure, Pa, or force on the bridge less what lies on it at rest, N.
+    pub strings: [f32; 2],
+    /// By how much the force of what knocks is larger than in the sample before it, N. Between two blocks of samples it
+    /// stays. The key bed, which is one for all keys, makes it heard ([`erard::knocks::KeyBed`]).
+    pub knocks_n: f32,
 }
 
 /// Takes the blocks of one key in the order of time, a few thousand rows at a time.

@@ -29,7 +29,7 @@ use crate::print_line;
 use crate::session::Session;
 use crate::table::many;
 use crate::warn;
-use crate::wav::Gain;
+use crate::wav::{Gain, KnockList};
 
 /// What stands below the options.
 const AFTER: &str = include_str!("help/play.txt");
@@ -66,12 +66,15 @@ pub(crate) struct Play {
     record_interval: f64,
     /// Also write the sound pressure at two places 1 m before the soundboard, NAME.wav in the output folder; without a
     /// board that moves, the force on the bridge. Needs modal strings. Stereo, 48 kHz, 16 bit; full scale is 10 Pa (150
-    /// N) for all notes. Without a room. Steps are then 1/48000 s [default: play.wav]
+    /// N) for all notes. Without a room; knocks are an estimate. Steps are then 1/48000 s [default: play.wav]
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "play.wav", value_parser = wav_name)]
     wav: Option<String>,
     /// With --wav: scale the sound so that its peak is at 0.9 of full scale
     #[arg(long, requires = "wav")]
     wav_peak: bool,
+    /// With --wav, before a soundboard: the knocks that are heard, of key-bed, action-rails, damper-rail; or none
+    #[arg(long, value_name = "KNOCKS", requires = "wav", default_value = "all")]
+    knocks: KnockList,
     /// Number of notes to show in slow motion, faulty ones first
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = whole::<u16>(0, 500), allow_negative_numbers = true)]
     slow_motion: u16,
@@ -153,6 +156,7 @@ impl Play {
         let options = Options {
             row_s: 1e-3 * self.record_interval,
             sound: self.wav.is_some().then(|| Heard::of(&instruments)),
+            knocks: self.knocks.0.clone(),
             moments,
             threads,
         };

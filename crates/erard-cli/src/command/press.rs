@@ -2,6 +2,7 @@
 
 use clap::Args;
 use erard::instrument::Instrument;
+use erard::knocks::Knock;
 use erard::level::LevelError;
 use erard::parameter::Quantity;
 use erard::player::{Inside, LossRecorder, Observer, ReactionRecorder};
@@ -27,7 +28,7 @@ use crate::spectrogram::spectrogram_picture;
 use crate::summary::{MEASURES, Measure, Summary, headlines, value};
 use crate::table::Table;
 use crate::warn;
-use crate::wav::Gain;
+use crate::wav::{Gain, KnockList};
 use erard_figures::drawing::moving_svg;
 use erard_figures::figure::run_picture;
 use erard_figures::page::{Shown, page_html};
@@ -72,13 +73,16 @@ pub(crate) struct Press {
     moving: bool,
     /// Write the sound pressure at two places 1 m before the soundboard, NAME.wav in the output folder, and the
     /// spectrogram of the left one (SVG and PNG); without a board that moves, the force on the bridge. Needs modal
-    /// strings. Stereo, 48 kHz, 16 bit; full scale is 10 Pa (150 N) for all notes. Without a room. The note is
-    /// simulated again for it in steps of 1/96000 s [default: note.wav]
+    /// strings. Stereo, 48 kHz, 16 bit; full scale is 10 Pa (150 N) for all notes. Without a room; knocks are an
+    /// estimate. The note is simulated again for it in steps of 1/96000 s [default: note.wav]
     #[arg(long, value_name = "NAME.wav", num_args = 0..=1, default_missing_value = "note.wav", value_parser = wav_name)]
     wav: Option<String>,
     /// With --wav: scale the sound so that its peak is at 0.9 of full scale
     #[arg(long, requires = "wav")]
     wav_peak: bool,
+    /// With --wav, before a soundboard: the knocks that are heard, of key-bed, action-rails, damper-rail; or none
+    #[arg(long, value_name = "KNOCKS", requires = "wav", default_value = "all")]
+    knocks: KnockList,
     /// Sustain pedal, as the lift of its rail: held (7mm), or moved in straight lines between instants of the stroke
     /// (0s=0mm,0.2s=7mm,1s=0mm); without a unit mm and s. For instruments with modal strings [default: up]
     #[arg(long, value_name = "LIFT", allow_hyphen_values = true, default_value = "0mm", hide_default_value = true)]
@@ -180,7 +184,7 @@ impl Press {
             output.figure(session, "reactions", &reactions_picture(&run, &title, &pins))?;
         }
         let sound = match &self.wav {
-            Some(name) => listen(session, instrument, &stroke, &setup)?
+            Some(name) => listen(session, instrument, &stroke, &setup, &self.knocks.0)?
                 .map(|sound| (name, Gain::new(sound.heard, self.wav_peak), sound)),
             None => None,
         };
@@ -408,9 +412,11 @@ fn listen(
     instrument: &Instrument,
     stroke: &Stroke,
     setup: &Setup,
+    knocks: &[Knock],
 ) -> Result<Option<Sound>, Failure> {
     let mut progress = session.progress("listening");
-    Ok(sound(instrument, stroke.inputs(&instrument.finger)?.as_ref(), setup, &mut |share| progress.tell(share))?)
+    let inputs = stroke.inputs(&instrument.finger)?;
+    Ok(sound(instrument, inputs.as_ref(), setup, knocks, &mut |share| progress.tell(share))?)
 }
 
 /// A stroke simulated before an observer.

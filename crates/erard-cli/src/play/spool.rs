@@ -5,7 +5,8 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::sync::{Mutex, PoisonError};
 
-use erard_piece::{Block, COLUMNS, RATE_HZ, Sink};
+use erard::knocks::KeyBed;
+use erard_piece::{Block, COLUMNS, RATE_HZ, Sample, Sink};
 
 use erard_figures::made_by::MadeBy;
 
@@ -39,7 +40,9 @@ impl Sink for Spool {
             Block::Sound { from, samples } => {
                 bytes.extend_from_slice(&from.to_le_bytes());
                 bytes.extend_from_slice(&(samples.len() as u64).to_le_bytes());
-                samples.iter().flatten().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes()));
+                for Sample { strings: [left, right], knocks_n } in samples {
+                    [left, right, knocks_n].iter().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes()));
+                }
                 self.0.sound.write_all(&bytes)
             }
         }
@@ -136,8 +139,8 @@ impl Stretches {
         Ok(())
     }
 
-    /// Adds what it has of the samples from one on.
-    fn add(&mut self, from: u64, to: &mut [[f64; 2]]) -> io::Result<()> {
+    /// Adds what it has of the samples from one on: two channels, and what knocks.
+    fn add(&mut self, from: u64, to: &mut [[f64; 3]]) -> io::Result<()> {
         let end = from + to.len() as u64;
         while let Some([first, length]) = self.now {
             if first >= end {
@@ -145,10 +148,10 @@ impl Stretches {
             }
             let part = (end - first).min(length);
             for n in 0..part {
-                for channel in &mut to[(first + n - from) as usize] {
+                for sum in &mut to[(first + n - from) as usize] {
                     let mut number = [0; 4];
                     self.file.read_exact(&mut number)?;
-                    *channel += f64::from(f32::from_le_bytes(number));
+                    *sum += f64::from(f32::from_le_bytes(number));
                 }
             }
             self.now = Some([first + part, length - part]);
@@ -161,20 +164,24 @@ impl Stretches {
 }
 
 impl Sound {
-    /// Mixes all keys, second by second, in the order of the keys.
+    /// Mixes all keys, second by second, in the order of the keys; they knock on one bed.
     pub(crate) fn mix(self, file: File, gain: Gain) -> io::Result<Mixed> {
         let mut keys = self.0.into_iter().map(Stretches::new).collect::<io::Result<Vec<_>>>()?;
         let mut out = BufWriter::new(file);
+        let mut bed = KeyBed::new(f64::from(RATE_HZ));
         let (mut samples, mut peak, mut limited) = (0_u64, 0.0_f64, 0_u64);
         while keys.iter().any(|key| key.now.is_some()) {
-            let mut second = vec![[0.0; 2]; RATE_HZ as usize];
+            let mut second = vec![[0.0; 3]; RATE_HZ as usize];
             for key in &mut keys {
                 key.add(samples, &mut second)?;
             }
-            for n in second.iter().flatten() {
-                peak = peak.max(n.abs());
-                limited += u64::from(gain.limits(*n));
-                out.write_all(&n.to_le_bytes())?;
+            for [left, right, knocks_n] in &second {
+                let knocks = bed.step(*knocks_n);
+                for sample in [left + knocks[0], right + knocks[1]] {
+                    peak = peak.max(sample.abs());
+                    limited += u64::from(gain.limits(sample));
+                    out.write_all(&sample.to_le_bytes())?;
+                }
             }
             samples += second.len() as u64;
         }

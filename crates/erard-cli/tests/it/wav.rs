@@ -185,6 +185,36 @@ fn jumps(samples: &[f64]) -> f64 {
 
 /// After the blow nothing in the file is sharper than what is around it; a sample that is off by two hundredths of full
 /// scale would be.
+/// Knocks are a part of the sound before a board, each by itself, and add up; a bridge that stands still has none.
+#[test]
+fn knocks_are_switched_off_one_by_one() {
+    let folder = Folder::for_command("press", "knocks");
+    let heard = |instrument: &str, knocks: &str| {
+        let run = ["--force-step", "9", "--duration", "0.08", "--wav", "--knocks", knocks, "--out", "out", "--force"];
+        folder.good(&[&["--instrument", instrument][..], &run].concat());
+        let reader = hound::WavReader::open(folder.0.join("out/note.wav")).unwrap();
+        reader.into_samples::<i16>().map(|sample| i32::from(sample.unwrap())).collect::<Vec<_>>()
+    };
+    let [all, none] = ["all", "none"].map(|knocks| heard("concert-grand-strings", knocks));
+    let one_by_one = ["key-bed", "action-rails", "damper-rail"].map(|knocks| heard("concert-grand-strings", knocks));
+    // 0.3 Pa and more of the key, a tenth of that of the others.
+    let loudest =
+        one_by_one.each_ref().map(|one| one.iter().zip(&none).map(|(x, none)| (x - none).abs()).max().unwrap());
+    assert!(loudest[0] > 900 && loudest[1] > 90 && loudest[2] > 9, "{loudest:?}");
+    for (n, all) in all.iter().enumerate() {
+        let sum: i32 = one_by_one.iter().map(|one| one[n] - none[n]).sum();
+        assert!((all - none[n] - sum).abs() <= 2, "sample {n}: {all} {} {sum}", none[n]);
+    }
+    folder.file("still.toml", &unison());
+    assert_eq!(heard("still.toml", "all"), heard("still.toml", "none"));
+    for (knocks, said) in [("bed", "`bed`; expected all, none, or some of"), ("", "expected"), ("key-bed,", "``")] {
+        let run = ["--instrument", "concert-grand-strings", "--wav", "--knocks", knocks, "--out", "none"];
+        assert!(folder.bad(&run).contains(said), "{knocks}");
+        assert!(!folder.0.join("none").exists());
+    }
+    assert!(folder.bad(&["--knocks", "none", "--out", "none"]).contains("--wav"));
+}
+
 #[test]
 fn the_file_has_no_clicks() {
     let folder = Folder::for_command("press", "wav-clicks");

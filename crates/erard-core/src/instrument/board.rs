@@ -12,7 +12,7 @@ use super::BridgeMode;
 
 /// A band of modes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Band {
+pub(crate) struct Band {
     /// From and to, Hz.
     pub hz: [f64; 2],
     /// Modal density, 1/Hz.
@@ -37,7 +37,7 @@ impl Band {
     }
 
     /// The modes of a seed, from the lowest.
-    pub(super) fn modes(&self, name: &str, seed: u64) -> Vec<BridgeMode> {
+    pub(crate) fn modes(&self, name: &str, seed: u64) -> Vec<BridgeMode> {
         let mut random = Random::named(name, seed);
         let mode = |index: usize| {
             // What is left of the band at its end has a part of a mode: the conductance is a continuous function of all

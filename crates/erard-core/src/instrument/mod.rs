@@ -44,7 +44,7 @@ pub mod serde_fault;
 mod strings;
 mod tuning;
 
-pub(crate) use board::Random;
+pub(crate) use board::{Band, Random};
 pub use bushing::Bushing;
 pub use checked::InvalidInstrument;
 pub use error::FileError;

@@ -5,6 +5,7 @@ use moreau::Settings;
 use super::setup::{Setup, SimulationError};
 use super::simulation::simulate_observed;
 use crate::instrument::Instrument;
+use crate::knocks::{KeyBed, Knock, Knocks};
 use crate::mechanism::Mechanism;
 use crate::player::{Drive, Observer};
 use crate::progress::Progress;
@@ -77,6 +78,10 @@ impl Sound {
 
 struct Microphone {
     sound: Sound,
+    knocks: Knocks,
+    bed: KeyBed,
+    /// Force on the bed so far, N.
+    bed_n: f64,
     /// Static load on the strings at rest, which is inaudible.
     rest_n: f64,
     steps: u64,
@@ -85,6 +90,7 @@ struct Microphone {
 impl Observer for Microphone {
     fn begin(&mut self, _: f64, mechanism: &dyn Mechanism) {
         self.rest_n = Strings::under(mechanism).map_or(0.0, Strings::bridge_n);
+        self.bed_n = self.knocks.force_n(|zone| mechanism.normal_force(zone));
     }
 
     fn step(&mut self, _: f64, _: bool, mechanism: &dyn Mechanism) {
@@ -96,14 +102,19 @@ impl Observer for Microphone {
             self.sound.bridge_n.push(bridge_n);
             self.sound.samples.push(match self.sound.heard {
                 Heard::BridgeForce => [bridge_n; 2],
-                heard => heard.now(strings),
+                heard => {
+                    let bed_n = self.knocks.force_n(|zone| mechanism.normal_force(zone));
+                    let [strings, knocks] = [heard.now(strings), self.bed.step(bed_n - self.bed_n)];
+                    self.bed_n = bed_n;
+                    [strings[0] + knocks[0], strings[1] + knocks[1]]
+                }
             });
         }
     }
 }
 
-/// Plays a stroke in steps of 1/96000 s, whatever its other settings, and records it as sound. `None` where the string
-/// is rigid.
+/// Plays a stroke in steps of 1/96000 s, whatever its other settings, and records it as sound, before a soundboard with
+/// these knocks. `None` where the string is rigid.
 ///
 /// # Errors
 /// As [`crate::run::simulate`].
@@ -111,6 +122,7 @@ pub fn sound(
     instrument: &Instrument,
     drive: &Drive<'_>,
     setup: &Setup,
+    knocks: &[Knock],
     progress: &mut Progress<'_>,
 ) -> Result<Option<Sound>, SimulationError> {
     if !instrument.has_yielding_strings() {
@@ -122,7 +134,8 @@ pub fn sound(
     // A row is kept of the end only.
     let setup = Setup { settings, record_every: Some(steps.max(1)), tolerance: None, ledger: false, ..*setup };
     let sound = Sound { heard: Heard::of(std::slice::from_ref(instrument)), ..Sound::default() };
-    let mut microphone = Microphone { sound, rest_n: 0.0, steps: 0 };
+    let (knocks, bed) = (Knocks::of(instrument, knocks), KeyBed::new(f64::from(RATE_HZ)));
+    let mut microphone = Microphone { sound, knocks, bed, bed_n: 0.0, rest_n: 0.0, steps: 0 };
     simulate_observed(instrument, drive, &setup, &mut microphone, progress)?;
     Ok(Some(microphone.sound))
 }

@@ -44,7 +44,6 @@ mod bridge;
 mod damping;
 mod modal;
 mod pedal;
-mod radiation;
 mod rows;
 mod shape_probe;
 

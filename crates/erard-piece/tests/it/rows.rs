@@ -1,7 +1,7 @@
 //! Rows and sound are the same on any number of threads.
 
 use erard::run::Heard;
-use erard_piece::{Block, Options, PerformError, Silence, perform};
+use erard_piece::{Block, Options, PerformError, Sample, Silence, perform};
 
 use crate::common::{RIGID, STRINGS, foot, kept, note, score};
 
@@ -29,9 +29,10 @@ fn same_on(numbers: &[usize]) {
         let (other, same) = on(threads);
         assert_eq!((&first.notes, first.steps, blocks.blocks()), (&other.notes, other.steps, same.blocks()));
     }
-    let is_loud =
-        |block: &Block| matches!(block, Block::Sound { samples, .. } if samples.iter().flatten().any(|pa| *pa > 0.02));
-    assert!(blocks.blocks().values().all(|all| all.iter().any(is_loud)));
+    let any = |is: fn(&Sample) -> bool| move |block: &Block| matches!(block, Block::Sound { samples, .. } if samples.iter().any(is));
+    let is_loud = any(|sample| sample.strings.iter().any(|pa| *pa > 0.02));
+    let knocks = any(|sample| sample.knocks_n.abs() > 0.02);
+    assert!(blocks.blocks().values().all(|all| all.iter().any(is_loud) && all.iter().any(knocks)));
 }
 
 /// A row every millisecond while the key is awake, and none while it sleeps.

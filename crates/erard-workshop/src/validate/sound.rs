@@ -283,7 +283,7 @@ fn note_of(
     let mut reference = Reference::new(instrument, progress).map_err(level)?;
     let hand = reference.solve(kind, speed_m_per_s, progress).map_err(level)?.held();
     let setup = Setup { hand: Some(hand.hand), pedal: Pedal::held(PEDAL_M), ..Setup::of(instrument, duration_s) };
-    let heard = sound(instrument, &|t| hand.input(t), &setup, progress)?;
+    let heard = sound(instrument, &|t| hand.input(t), &setup, &[], progress)?;
     Ok(heard.unwrap_or_default().bridge_n)
 }
 

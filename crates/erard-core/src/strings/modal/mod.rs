@@ -13,11 +13,11 @@ use moreau_kernels::{Mechanism, Parts, Readout};
 use super::bridge::{Bridge, Pair, dot};
 use super::damping::{self, Coupling, DASHPOTS, Felt, Rocks, all_rocks, coupling, felt_of};
 use super::pedal::Rail;
-use super::radiation;
 use super::rows::{Block, Row, WIDE, added, transition};
 use crate::identity::by_name;
 use crate::instrument::REACH_HZ;
 use crate::instrument::{Instrument, MAX_BRIDGE_MODES, MAX_STRINGS, PianoString};
+use crate::radiation;
 
 /// J; strings whose vibration holds less than this are still. A pianissimo puts 1e-3 J into them: 150 dB less. Decaying
 /// for ever, they would end in numbers that are slow to compute with (denormal ones).
@@ -149,7 +149,7 @@ impl Strings {
         let order: [usize; MAX_BRIDGE_MODES] = by_name(bridge_modes.iter().map(|mode| mode.name.as_str()));
         Some(Strings {
             strings: instrument.strings.clone(),
-            radiated: radiation::gains(&bridge_modes),
+            radiated: radiation::BOARD.gains(&bridge_modes),
             bridge_order: order[..bridge_modes.len()].to_vec(),
             bridge_modes,
             zones,
