@@ -116,6 +116,6 @@ fn set_aside(stage: &Path, folder: &Path, name: &str) -> io::Result<()> {
 }
 
 /// A result, or none where what it was about has gone meanwhile.
-pub(super) fn unless_gone(result: io::Result<()>) -> io::Result<()> {
+fn unless_gone(result: io::Result<()>) -> io::Result<()> {
     result.or_else(|error| if error.kind() == io::ErrorKind::NotFound { Ok(()) } else { Err(error) })
 }

@@ -233,8 +233,8 @@ impl Output {
                     // Something of the user's has come into the folder since.
                     self.stage = Stage::moved_into(&folder, &self.stage).map_err(refused)?;
                 }
-                let mut install = self.names.clone();
-                install.extend(self.command.map(|_| mark::NAME.to_owned()));
+                let mark = self.command.map(|_| mark::NAME.to_owned());
+                let install: Vec<String> = mark.into_iter().chain(self.names.iter().cloned()).collect();
                 let remove = place.stale(&self.names);
                 journal::publish(self.stage.path(), &folder, &install, &remove)
                     .map_err(|(name, source)| Failure::write(&folder.join(name), source))?;
@@ -309,7 +309,6 @@ struct Place<'a> {
 impl Place<'_> {
     /// Refuses where a file of these names would replace what it must not.
     fn check(&self, names: &[String]) -> Result<(), Failure> {
-        let mark = Mark::read(self.folder);
         let wrong = |path: &Path, why: &str| Err(Failure::Usage(format!("{}: {why}", inputs::shown(path))));
         for name in names.iter().chain(&self.stale(names)) {
             let path = self.folder.join(name);
@@ -320,9 +319,12 @@ impl Place<'_> {
                 );
             }
         }
-        for name in names {
-            let path = self.folder.join(name);
-            let Ok(found) = path.symlink_metadata() else { continue };
+        let there = names.iter().map(|name| (name, self.folder.join(name)));
+        let there: Vec<_> =
+            there.filter_map(|(name, path)| Some((name, path.symlink_metadata().ok()?, path))).collect();
+        // Read afterwards: what another command puts there meanwhile never comes before its mark.
+        let mark = Mark::read(self.folder);
+        for (name, found, path) in there {
             if found.is_dir() {
                 return wrong(&path, "is a folder; expected a file or nothing there. Name another folder with --out");
             }

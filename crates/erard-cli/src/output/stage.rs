@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use super::exchange::exchange;
-use super::journal::{self, OLD, unless_gone};
+use super::journal::{self, OLD};
 use crate::stages::{LOCK, Stages, remove_empty};
 
 /// How its name ends: a user's folder is not likely to be called so, and what a stage does not hold is checked too.
@@ -77,11 +77,12 @@ impl Stage {
             let folder = tempfile::Builder::new().prefix(prefix).suffix(END).tempdir_in(parent)?;
             let path = folder.path().join(LOCK);
             // Somebody who clears up may take it for one that a killed process left, until it is locked.
-            let Ok(lock) = File::create_new(&path) else {
-                if folder.path().exists() {
+            let lock = match File::create_new(&path) {
+                Ok(lock) => lock,
+                Err(error) if error.kind() != io::ErrorKind::AlreadyExists && folder.path().exists() => {
                     return Err(io::Error::other("a temporary folder cannot be written to"));
                 }
-                continue;
+                Err(_) => continue,
             };
             // Where files cannot be locked, nobody clears up either.
             let _ = lock.lock();
@@ -154,15 +155,23 @@ pub(crate) fn recover(folder: &Path) -> io::Result<()> {
         if old.exists() && !folder.exists() {
             fs::rename(&old, folder)?;
         }
-        // Its process may be about to do the same.
-        unless_gone(fs::remove_dir_all(&stage))?;
+        clear(&stage)?;
     }
     for stage in stages(folder, WITHIN) {
         let Some(_lock) = take_over(&stage) else { continue };
         journal::recover(&stage, folder)?;
-        unless_gone(fs::remove_dir_all(&stage))?;
+        clear(&stage)?;
     }
     Ok(())
+}
+
+/// Removes a stage that was taken over. Its process, or another that clears up, may be about to do the same: what is
+/// gone is done, and what has come meanwhile is theirs.
+fn clear(stage: &Path) -> io::Result<()> {
+    match fs::remove_dir_all(stage) {
+        Err(error) if [io::ErrorKind::NotFound, io::ErrorKind::DirectoryNotEmpty].contains(&error.kind()) => Ok(()),
+        cleared => cleared,
+    }
 }
 
 /// Whether a folder holds nothing but what a stage may hold: nothing of a user's is removed with it.
@@ -173,15 +182,17 @@ fn is_stage(folder: &Path) -> bool {
 }
 
 /// The lock of a stage whose process lives no more; `None` where it lives, or where nobody can tell.
-fn take_over(stage: &Path) -> Option<Option<File>> {
-    match File::open(stage.join(LOCK)) {
-        Ok(lock) => match lock.try_lock() {
-            Ok(()) => Some(Some(lock)),
-            Err(TryLockError::WouldBlock | TryLockError::Error(_)) => None,
-        },
-        // Its process died before it locked it, or is about to find that it must try another name.
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Some(None),
-        Err(_) => None,
+fn take_over(stage: &Path) -> Option<File> {
+    let path = stage.join(LOCK);
+    let lock = match File::open(&path) {
+        // Its process died before it made one; or it lives, and finds that it must try another name.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => File::create_new(&path),
+        found => found,
+    }
+    .ok()?;
+    match lock.try_lock() {
+        Ok(()) => Some(lock),
+        Err(TryLockError::WouldBlock | TryLockError::Error(_)) => None,
     }
 }
 
