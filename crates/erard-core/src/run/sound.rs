@@ -16,6 +16,9 @@ pub const RATE_HZ: u32 = 48_000;
 /// Steps per sample. The strings have no partials above 20 kHz, so that taking every other step folds nothing back.
 pub(crate) const STEPS_PER_SAMPLE: u64 = 2;
 
+/// A sample that has gone so far has ended: the rest of it is rounding.
+const WHOLE: f64 = 0.999;
+
 /// What is heard of strings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
@@ -80,22 +83,21 @@ struct Microphone {
     sound: Sound,
     knocks: Knocks,
     bed: KeyBed,
-    /// Force on the bed so far, N.
-    bed_n: f64,
     /// Static load on the strings at rest, which is inaudible.
     rest_n: f64,
-    steps: u64,
+    began_s: f64,
 }
 
 impl Observer for Microphone {
-    fn begin(&mut self, _: f64, mechanism: &dyn Mechanism) {
+    fn begin(&mut self, time_s: f64, mechanism: &dyn Mechanism) {
+        self.began_s = time_s;
         self.rest_n = Strings::under(mechanism).map_or(0.0, Strings::bridge_n);
-        self.bed_n = self.knocks.force_n(|zone| mechanism.normal_force(zone));
     }
 
-    fn step(&mut self, _: f64, _: bool, mechanism: &dyn Mechanism) {
-        self.steps += 1;
-        if self.steps.is_multiple_of(STEPS_PER_SAMPLE)
+    /// Near strings a step is taken in parts, and this is called after each: what counts is the time.
+    fn step(&mut self, time_s: f64, _: bool, mechanism: &dyn Mechanism) {
+        let samples = (time_s - self.began_s) * f64::from(RATE_HZ);
+        if samples > self.sound.samples.len() as f64 + WHOLE
             && let Some(strings) = Strings::under(mechanism)
         {
             let bridge_n = strings.bridge_n() - self.rest_n;
@@ -103,9 +105,8 @@ impl Observer for Microphone {
             self.sound.samples.push(match self.sound.heard {
                 Heard::BridgeForce => [bridge_n; 2],
                 heard => {
-                    let bed_n = self.knocks.force_n(|zone| mechanism.normal_force(zone));
-                    let [strings, knocks] = [heard.now(strings), self.bed.step(bed_n - self.bed_n)];
-                    self.bed_n = bed_n;
+                    let knocks_n = self.knocks.force_n(|zone| mechanism.normal_force(zone));
+                    let [strings, knocks] = [heard.now(strings), self.bed.hear(knocks_n)];
                     [strings[0] + knocks[0], strings[1] + knocks[1]]
                 }
             });
@@ -135,7 +136,7 @@ pub fn sound(
     let setup = Setup { settings, record_every: Some(steps.max(1)), tolerance: None, ledger: false, ..*setup };
     let sound = Sound { heard: Heard::of(std::slice::from_ref(instrument)), ..Sound::default() };
     let (knocks, bed) = (Knocks::of(instrument, knocks), KeyBed::new(f64::from(RATE_HZ)));
-    let mut microphone = Microphone { sound, knocks, bed, bed_n: 0.0, rest_n: 0.0, steps: 0 };
+    let mut microphone = Microphone { sound, knocks, bed, rest_n: 0.0, began_s: 0.0 };
     simulate_observed(instrument, drive, &setup, &mut microphone, progress)?;
     Ok(Some(microphone.sound))
 }

@@ -5,9 +5,10 @@ use crate::common::{Play, USUAL_STEP_S, grand, strung, with_rigid_bridge};
 use erard::instrument::{Instrument, InstrumentFile};
 use erard::keyboard::{Keyboard, Keys};
 use erard::mechanism::{Halving, Mechanism, Stepping, mechanism, open_ledger, update_energies};
+use erard::run::{RATE_HZ, sound};
 use erard::strings::Strings;
 use erard::stroke::Touch;
-use erard::{Action, Input, Settings};
+use erard::{Action, Input, Settings, Setup, press};
 
 /// A head of 8.9 g, three times the hammer of one string, at the end of an arm of a metre, touching the strings of the
 /// shipped instrument from below with a felt that loses nothing; alike, so that they move as one.
@@ -694,4 +695,27 @@ fn controlled_steps_take_a_rigid_string() {
     };
     assert!(press(&strung()).unwrap_err().contains("rigid_string"));
     assert_eq!(press(&strung().with_rigid_string()), Ok(()));
+}
+
+/// A note's sound has a sample for each 1/48 000 s, in the blow as well, where steps are taken in parts: the force is
+/// that of the rows of the same press.
+#[test]
+fn a_sound_keeps_time_through_a_blow() {
+    let instrument = strung();
+    let (rate_hz, duration_s) = (f64::from(RATE_HZ), 0.1);
+    let settings = Settings::new(0.5 / rate_hz);
+    let setup = Setup { settings, record_every: Some(2), ..Setup::new(duration_s) };
+    let sound = sound(&instrument, &|_| Input::Force(8.0), &setup, &[], &mut |_| true).unwrap().unwrap();
+    let run = press(&instrument, &|_| Input::Force(8.0), &setup).unwrap();
+    let bridge_n = run.strings.unwrap().bridge_n;
+    assert!(
+        run.work.steps > run.time_s.len() as u64 * 2 + 500,
+        "{} steps: the blow was not taken in parts",
+        run.work.steps
+    );
+    assert_eq!((sound.samples.len(), sound.bridge_n.len()), (bridge_n.len() - 1, bridge_n.len() - 1));
+    let most = bridge_n.iter().fold(0.0_f64, |most, n| most.max(n.abs()));
+    for (n, (heard, row)) in sound.bridge_n.iter().zip(&bridge_n[1..]).enumerate() {
+        assert!((heard - (row - bridge_n[0])).abs() < 1e-9 * most, "sample {n}: {heard} and {row} N");
+    }
 }
