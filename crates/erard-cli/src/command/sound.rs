@@ -3,8 +3,10 @@
 use erard::instrument_spec::InstrumentSpec;
 use erard::keyboard::note_name;
 use erard::run::SimulationError;
+use erard_figures::Picture;
+use erard_figures::figure::{Dash, Figure, Panel, Scale, Trace, figure_picture};
 use erard_workshop::validate::{
-    SoundError, SoundMeasures, SoundRow, SoundUse, SoundVerdict, recorded_notes, sounds, verdicts,
+    FALLS_DB, SoundError, SoundMeasures, SoundRow, SoundUse, SoundVerdict, recorded_notes, sounds, verdicts,
 };
 use serde::Serialize;
 
@@ -177,6 +179,7 @@ pub(super) fn run(
     };
     output.json(session, "sound.json", &report)?;
     output.table(session, "sound.csv", &Table::of_records(&report.rows)?)?;
+    output.figure(session, "sound", &picture(&rows, &report.instrument))?;
     if !report.verdicts.is_empty() {
         output.table(session, "sound-verdicts.csv", &Table::of_records(&report.verdicts)?)?;
     }
@@ -202,6 +205,53 @@ pub(super) fn run(
         missed if missed > 0 && fail_on_miss => answer.short_of(Some(format!("{missed} judged rows missed"))),
         _ => answer,
     })
+}
+
+/// Panels of a figure at most, and their height, px.
+const PANELS: usize = 8;
+const PANEL_PX: f64 = 120.0;
+const GREY: &str = "#8f8f8f";
+const BLACK: &str = "#111111";
+
+/// How notes fall, recorded grey and modelled black: as many as a figure holds, evenly over those that were played.
+fn picture(rows: &[SoundRow], instrument: &str) -> Picture {
+    let count = rows.len().min(PANELS);
+    let shown: Vec<&SoundRow> = (0..count).map(|n| &rows[n * (rows.len() - 1) / (count - 1).max(1)]).collect();
+    // Of three levels those that a note falls to.
+    let curve = |times: [Option<f64>; 3]| -> [Vec<f64>; 2] {
+        let both = times.into_iter().zip(FALLS_DB).filter_map(|(time_s, db)| Some((time_s?, db)));
+        let (times, levels) = both.unzip();
+        [times, levels]
+    };
+    let curves: Vec<[[Vec<f64>; 2]; 4]> = shown
+        .iter()
+        .map(|row| {
+            let quartile = |which: usize| curve(row.recorded.fall_quartiles_s.map(|both| both.map(|both| both[which])));
+            [curve(row.recorded.measures.fall_s), quartile(1), curve(row.modelled.fall_s), quartile(0)]
+        })
+        .collect();
+    let styles = [
+        ("recorded", GREY, Dash::Points),
+        ("the middle half", GREY, Dash::Dotted),
+        ("modelled", BLACK, Dash::Points),
+        ("", GREY, Dash::Dotted),
+    ];
+    let panels = shown.iter().zip(&curves).map(|(row, curves)| {
+        let traces = curves
+            .iter()
+            .zip(styles)
+            .map(|([x, y], (label, colour, dash))| Trace { colour, ..Trace::new(label, x, y.as_slice(), 0, dash) });
+        Panel::new(note_name(row.recorded.key), "dB", PANEL_PX, traces.collect()).within(-45.0, -5.0)
+    });
+    let times = || curves.iter().flatten().flat_map(|[times, _]| times);
+    let [least, most] = [times().copied().fold(f64::INFINITY, f64::min), times().copied().fold(0.0, f64::max)];
+    let title = format!("{instrument} beside a recorded grand: times to -10, -20 and -40 dB");
+    let subtitle = "grey: median and middle half of 16 loudnesses of a Yamaha C5; black: hammer at 2 m/s".to_owned();
+    let figure = Figure {
+        x_scale: Scale::Logarithmic,
+        ..Figure::over("time after the loudest (s)", (0.8 * least, 1.25 * most), title, subtitle, panels.collect())
+    };
+    figure_picture(&figure)
 }
 
 /// A line for each note.

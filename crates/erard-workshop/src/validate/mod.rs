@@ -23,8 +23,8 @@ pub use grands::{BesideGrands, Timing, fastest_s, grands, published_ms};
 pub use presses::{Drive, Loudness, SimulatedPress, measure as loudness};
 pub use published::{Published, PublishedError, PublishedKind, PublishedRow};
 pub use sound::{
-    RecordedNote, SPEED_M_PER_S as SOUND_SPEED_M_PER_S, SoundError, SoundMeasures, SoundRow, SoundUse, SoundVerdict,
-    heard, recorded_notes, sounds, verdicts,
+    FALLS_DB, RecordedNote, SPEED_M_PER_S as SOUND_SPEED_M_PER_S, SoundError, SoundMeasures, SoundRow, SoundUse,
+    SoundVerdict, heard, recorded_notes, sounds, verdicts,
 };
 pub use strings::Skipped;
 pub use values::names;

@@ -30,6 +30,8 @@ const OTHERS_M_PER_S: [f64; 2] = [1.0, 4.0];
 const SHORT_S: f64 = 0.9;
 /// Lift of the sustain pedal, m: no damper touches a string.
 const PEDAL_M: f64 = 10e-3;
+/// Levels to which a note falls, dB.
+pub const FALLS_DB: [f64; 3] = [-10.0, -20.0, -40.0];
 /// Ranges of the judged rows: ratios of modelled to recorded, and octaves per 10 dB.
 pub const RATIO: [f64; 2] = [0.75, 1.33];
 /// The largest mean difference of the centroid's slope, octaves per 10 dB.
@@ -71,7 +73,7 @@ impl SoundUse {
 /// Measures of a note that are compared; `None` where there is none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SoundMeasures {
-    /// Times to -10, -20 and -40 dB, s.
+    /// Times to [`FALLS_DB`], s.
     pub fall_s: [Option<f64>; 3],
     /// First rate of the level, dB/s ([`crate::listen::Decay::first_db_per_s`]).
     pub early_db_per_s: Option<f64>,
@@ -98,6 +100,8 @@ pub struct RecordedNote {
     pub used: SoundUse,
     /// Medians over its recordings.
     pub measures: SoundMeasures,
+    /// Within which the middle half of its recordings fall to -10, -20 and -40 dB, s.
+    pub fall_quartiles_s: [Option<[f64; 2]>; 3],
 }
 
 /// A table of numbers with named columns. Lines with `#` are comments.
@@ -152,6 +156,10 @@ static RECORDED: LazyLock<Vec<RecordedNote>> = LazyLock::new(|| {
                 cents: of("cents"),
                 partials_db_per_s: std::array::from_fn(partial),
             },
+            fall_quartiles_s: ["t10_s", "t20_s", "t40_s"].map(|name| {
+                let [low, high] = ["q25", "q75"].map(|quartile| of(&format!("{name}_{quartile}")));
+                low.zip(high).map(|(low, high)| [low, high])
+            }),
         })
     };
     (0..notes.rows.len()).filter_map(note).collect()
