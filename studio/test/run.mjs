@@ -56,6 +56,7 @@ const tests = {
   keyboard: bench.keyboard,
   "strings of a chord": bench.strung,
   ...(process.env.ERARD ? { diagnose, "a note is heard": sound.note, "the audio thread": sound.offline } : {}),
+  "the story is heard": sound.told,
   "keys are heard": sound.live,
   "blocks of sound": sound.blocks,
   "the gallery": gallery,

@@ -102,6 +102,12 @@
 #define ERARD_HALVING_NEVER 1
 
 /**
+ * Steps are halved two times less often than the strings need: the worst step takes a fourth of the time, for loops
+ * that play sound. Impacts are right to half a per cent, partials within 40 dB of the strongest to a decibel.
+ */
+#define ERARD_HALVING_FEWER 2
+
+/**
  * ErardBoardSetup.kind: the sensors are under the keys of a real action, which move with their hammers. The motion of
  * each simulated key is prescribed (as by ERARD_INPUT_RIGID).
  */
@@ -916,6 +922,14 @@ ErardStatus erard_action_set_pedal(struct ErardAction *action, double lift_m);
 ErardStatus erard_action_bridge_force(const struct ErardAction *action, double *force_n);
 
 /**
+ * Writes what is heard of an action after its last step to `pressure_pa[2]`: the sound pressure at two places 1 m
+ * before the soundboard and half a metre apart, Pa; of the strings, and of the knocks of key, rails and damper on the
+ * key bed. An estimate, without a room; `erard press --wav` writes it. Call it once after every step: each call ends a
+ * sample. Returns ERARD_STATUS_NO_SUCH where strings move no soundboard. Real time: yes.
+ */
+ErardStatus erard_action_pressure(struct ErardAction *action, double *pressure_pa);
+
+/**
  * Writes the positions at which erard_action_string_shape samples the middle string to `places_m` (which may be NULL),
  * at most `count` of them: m from the striking point, positive away from the string's nearer end. Returns the number
  * of positions; 0 without modal strings and for NULL. Real time: yes.
@@ -1042,6 +1056,13 @@ ErardStatus erard_keyboard_bridge_force(const struct ErardKeyboard *keyboard, ui
 ErardStatus erard_keyboard_total_bridge_force(const struct ErardKeyboard *keyboard, double *force_n);
 
 /**
+ * Writes what is heard of all keys after the last step to `pressure_pa[2]`, as erard_action_pressure does; they share
+ * one key bed. Call it once after every step: each call ends a sample. Returns ERARD_STATUS_NO_SUCH where strings move
+ * no soundboard. Real time: yes.
+ */
+ErardStatus erard_keyboard_pressure(struct ErardKeyboard *keyboard, double *pressure_pa);
+
+/**
  * Takes `steps` steps (1 to ERARD_MAX_STEPS) of all keys that are awake. Writes the impacts in the order of the steps
  * to `impacts`, at most `capacity` of them. `count` (which may be NULL) receives the number of impacts; those beyond
  * `capacity` are lost. If a key's numbers become infinite, that key stays as it was, the other keys continue, and the
@@ -1078,16 +1099,16 @@ ErardStatus erard_keyboard_save(const struct ErardKeyboard *keyboard, uint8_t *b
 ErardStatus erard_keyboard_restore(struct ErardKeyboard *keyboard, const uint8_t *bytes, size_t size);
 
 /**
- * Chooses whether an action's steps are halved while its hammer is near modal strings, from the next step on:
- * ERARD_HALVING_AUTO (the default) or ERARD_HALVING_NEVER, else the call returns ERARD_STATUS_ARGUMENT. Saved states
- * do not contain this choice: set it again after making an action. Without modal strings it changes nothing. Real
- * time: no (it may allocate); call it before the loop.
+ * Chooses how often an action's steps are halved while its hammer is near modal strings, from the next step on:
+ * ERARD_HALVING_AUTO (the default), ERARD_HALVING_FEWER or ERARD_HALVING_NEVER, else the call returns
+ * ERARD_STATUS_ARGUMENT. Saved states do not contain this choice: set it again after making an action. Without modal
+ * strings it changes nothing. Real time: no (it may allocate); call it before the loop.
  */
 ErardStatus erard_action_set_halving(struct ErardAction *action, uint32_t kind);
 
 /**
- * Chooses the halving of steps for all keys of a keyboard, as erard_action_set_halving does, and wakes all keys. Real
- * time: no.
+ * Chooses the halving of steps for all keys of a keyboard, as erard_action_set_halving does. Keys that are played wake
+ * all others; at rest all sleep on. Real time: no.
  */
 ErardStatus erard_keyboard_set_halving(struct ErardKeyboard *keyboard, uint32_t kind);
 

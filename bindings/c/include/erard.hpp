@@ -110,6 +110,7 @@ class Action {
         return r;
     }
     double bridge_force() const noexcept { double n = 0.0; erard_action_bridge_force(own.get(), &n); return n; }
+    [[nodiscard]] ErardStatus pressure(double (&pa)[2]) noexcept { return erard_action_pressure(own.get(), pa); }
     std::vector<unsigned char> save() const {
         std::size_t n = 0;
         erard_action_save(own.get(), nullptr, &n);
@@ -152,12 +153,9 @@ class Keyboard {
     [[nodiscard]] ErardStatus angles(std::uint32_t key, double *rad, std::size_t room) const noexcept {
         return erard_keyboard_angles(own.get(), key, rad, room);
     }
-    double bridge_force(std::uint32_t key) const noexcept {
-        double n = 0.0;
-        erard_keyboard_bridge_force(own.get(), key, &n);
-        return n;
-    }
+    double bridge_force(std::uint32_t key) const noexcept { double n = 0.0; erard_keyboard_bridge_force(own.get(), key, &n); return n; }
     double bridge_force() const noexcept { double n = 0.0; erard_keyboard_total_bridge_force(own.get(), &n); return n; }
+    [[nodiscard]] ErardStatus pressure(double (&pa)[2]) noexcept { return erard_keyboard_pressure(own.get(), pa); }
     std::vector<unsigned char> save() const {
         std::size_t n = 0;
         erard_keyboard_save(own.get(), nullptr, &n);

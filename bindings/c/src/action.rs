@@ -3,7 +3,9 @@
 use std::ffi::{CString, c_char};
 use std::ptr::null_mut;
 
+use erard::knocks::{KeyBed, Knock, Knocks};
 use erard::player::Fingertip;
+use erard::run::Heard;
 use erard::strings::{ShapeProbe, Strings};
 use erard::{Action, Input, Instrument};
 
@@ -23,6 +25,8 @@ pub struct ErardAction {
     zones: Vec<CString>,
     /// Sampling positions of a modal string, m from the striking point, and the probe of its shape there.
     string: Option<(Vec<f64>, ShapeProbe)>,
+    /// What knocks on the key bed, and the bed; where a soundboard is heard.
+    ear: Option<(Knocks, KeyBed)>,
 }
 
 impl ErardAction {
@@ -34,12 +38,21 @@ impl ErardAction {
         })?;
         let string = action.strings().map(|strings| (strings.probe_places_m(), strings.shape_probe()));
         let name = |name: &String| CString::new(name.as_str()).unwrap_or_default();
+        let is_heard = string.is_some() && Heard::of(std::slice::from_ref(instrument)) == Heard::Pressure;
         Ok(ErardAction {
+            ear: is_heard.then(|| (Knocks::of(instrument, &Knock::ALL), KeyBed::new(1.0 / step_s))),
             play: Play::new(action, instrument.zones.len()),
             bodies: instrument.bodies.iter().map(|body| name(&body.name)).collect(),
             zones: instrument.zones.iter().map(|zone| name(&zone.name)).collect(),
             string,
         })
+    }
+
+    /// The action is somewhere else now, which is not heard.
+    fn forget_knocks(&mut self) {
+        if let Some((_, bed)) = &mut self.ear {
+            bed.forget();
+        }
     }
 }
 
@@ -312,7 +325,10 @@ pub unsafe extern "C" fn erard_action_reset(action: *mut ErardAction) -> ErardSt
     // SAFETY: `action` is NULL, or comes from erard_action_new or erard_action_of_instrument, has not been freed, and
     // no other call uses it meanwhile.
     let Some(action) = (unsafe { action.as_mut() }) else { return ErardStatus::Null };
-    quick(|| action.play.reset())
+    quick(|| {
+        action.forget_knocks();
+        action.play.reset()
+    })
 }
 
 /// Writes the action's complete state to `bytes`. A restored action continues with the same bits. `size` holds the room
@@ -380,6 +396,31 @@ pub unsafe extern "C" fn erard_action_bridge_force(action: *const ErardAction, f
     })
 }
 
+/// Writes what is heard of an action after its last step to `pressure_pa[2]`: the sound pressure at two places 1 m
+/// before the soundboard and half a metre apart, Pa; of the strings, and of the knocks of key, rails and damper on the
+/// key bed. An estimate, without a room; `erard press --wav` writes it. Call it once after every step: each call ends a
+/// sample. Returns ERARD_STATUS_NO_SUCH where strings move no soundboard. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_action_pressure(action: *mut ErardAction, pressure_pa: *mut f64) -> ErardStatus {
+    // SAFETY: `action` is NULL, or an action that is not freed and in no other call; `pressure_pa` is NULL, or writable
+    // memory for two numbers.
+    let (Some(action), Some(pressure_pa)) =
+        (unsafe { action.as_mut() }, unsafe { pressure_pa.cast::<[f64; 2]>().as_mut() })
+    else {
+        return ErardStatus::Null;
+    };
+    let (Some((knocks, bed)), Some(strings)) = (&mut action.ear, action.play.action.strings()) else {
+        return ErardStatus::NoSuch;
+    };
+    quick(|| {
+        let mechanism = action.play.action.mechanism();
+        let [strings, bed] =
+            [strings.pressure_pa().unwrap_or_default(), bed.hear(knocks.force_n(|zone| mechanism.normal_force(zone)))];
+        *pressure_pa = [strings[0] + bed[0], strings[1] + bed[1]];
+        ErardStatus::Ok
+    })
+}
+
 /// Writes the positions at which erard_action_string_shape samples the middle string to `places_m` (which may be NULL),
 /// at most `count` of them: m from the striking point, positive away from the string's nearer end. Returns the number
 /// of positions; 0 without modal strings and for NULL. Real time: yes.
@@ -439,7 +480,10 @@ pub unsafe extern "C" fn erard_action_restore(action: *mut ErardAction, bytes: *
     if size > isize::MAX as usize {
         return ErardStatus::Saved;
     }
-    quick(|| action.play.restore(unsafe { core::slice::from_raw_parts(bytes, size) }))
+    quick(|| {
+        action.forget_knocks();
+        action.play.restore(unsafe { core::slice::from_raw_parts(bytes, size) })
+    })
 }
 
 /// Returns the number of bodies of an action; 0 for NULL. Real time: yes.

@@ -6,8 +6,10 @@ use std::ptr::null_mut;
 
 use erard::instrument::utf8;
 use erard::keyboard::{Keyboard, Keys, KeysError};
-use erard::mechanism::TellNumbers;
+use erard::knocks::{KeyBed, Knock};
+use erard::mechanism::{Halving, TellNumbers};
 use erard::player::{MechanismState, SnapshotError};
+use erard::run::Heard;
 use erard::saved::{Lists, Writer};
 use erard::strings::Strings;
 use erard::{Action, IndexError, Input, Instrument};
@@ -26,6 +28,8 @@ pub struct ErardKeyboard {
     pub(crate) keys: Keys,
     inputs: Vec<ErardInput>,
     impacts: Vec<(f64, f64, u32)>,
+    /// What all keys knock on, where a soundboard is heard.
+    bed: Option<KeyBed>,
     /// The keyboard's clock less that of its keys, s: a restored state brings its own time.
     offset_s: f64,
 }
@@ -98,11 +102,23 @@ impl ErardKeyboard {
     /// Assembles the keys at rest.
     pub(crate) fn new(instruments: &[Instrument], step_s: f64) -> Result<Self, Fault> {
         check_step(step_s)?;
-        let keys =
+        let mut keys =
             Keys::at_rest(instruments, settings(step_s)).map_err(|error| keys_fault(ErardStatus::Model, &error))?;
         let (inputs, impacts) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
+        let is_strung = instruments.iter().any(Instrument::has_yielding_strings);
+        let bed = (is_strung && Heard::of(instruments) == Heard::Pressure).then(|| {
+            keys.listen(instruments, &Knock::ALL);
+            KeyBed::new(1.0 / step_s)
+        });
         let offset_s = -keys.time_s();
-        Ok(ErardKeyboard { keys, inputs, impacts, offset_s })
+        Ok(ErardKeyboard { keys, inputs, impacts, bed, offset_s })
+    }
+
+    /// Chooses the halving of steps. The clock stays where it is.
+    pub(crate) fn halve(&mut self, halving: Halving) {
+        let before_s = self.keys.time_s();
+        self.keys.halve(halving);
+        self.offset_s -= self.keys.time_s() - before_s;
     }
 
     /// Sets the input of a key, from 1, from the next step on.
@@ -309,6 +325,26 @@ pub unsafe extern "C" fn erard_keyboard_total_bridge_force(
     };
     quick(|| {
         *force_n = keyboard.keys.bridge_n();
+        ErardStatus::Ok
+    })
+}
+
+/// Writes what is heard of all keys after the last step to `pressure_pa[2]`, as erard_action_pressure does; they share
+/// one key bed. Call it once after every step: each call ends a sample. Returns ERARD_STATUS_NO_SUCH where strings move
+/// no soundboard. Real time: yes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn erard_keyboard_pressure(keyboard: *mut ErardKeyboard, pressure_pa: *mut f64) -> ErardStatus {
+    // SAFETY: `keyboard` is NULL, or a keyboard that is not freed and in no other call; `pressure_pa` is NULL, or
+    // writable memory for two numbers.
+    let (Some(keyboard), Some(pressure_pa)) =
+        (unsafe { keyboard.as_mut() }, unsafe { pressure_pa.cast::<[f64; 2]>().as_mut() })
+    else {
+        return ErardStatus::Null;
+    };
+    let Some(bed) = &mut keyboard.bed else { return ErardStatus::NoSuch };
+    quick(|| {
+        let [strings, bed] = [keyboard.keys.pressure_pa(), bed.hear(keyboard.keys.knocks_n())];
+        *pressure_pa = [strings[0] + bed[0], strings[1] + bed[1]];
         ErardStatus::Ok
     })
 }

@@ -1,6 +1,6 @@
 //! The cost of strings: a step of the action while its three strings ring and while they are struck, a second of C4
-//! beside fixed steps of 50 us, ten fingers' fortissimo tremolo over a keyboard with strings, and the worst step of ten
-//! fingers in the top octave.
+//! beside fixed steps of 50 us, ten fingers' fortissimo tremolo over a keyboard with strings, the worst step of ten
+//! fingers in the top octave; and blocks of sound: ten notes that ring, and all keys under the pedal on two cores.
 //!
 //! `cargo run --release -p erard-core --example strings_in_real_time`
 
@@ -17,6 +17,9 @@ const STEPS_PER_MS: u32 = 24;
 /// The step that all were before they were halved, s.
 const FIXED_STEP_S: f64 = 50e-6;
 const STEPS: u32 = 20_000;
+/// Steps of a block of sound, 128 samples at 48 kHz, and how many blocks are timed.
+const STEPS_PER_BLOCK: u32 = 64;
+const BLOCKS: usize = 10_000;
 
 /// Seconds for a step of a mezzo forte held, every step taken; best of five.
 fn step_s(instrument: &Instrument) -> f64 {
@@ -74,6 +77,33 @@ fn ten_notes(keyboard: &Keyboard) -> [f64; 2] {
         worst = worst.max(block.elapsed().as_secs_f64());
     }
     [started.elapsed().as_secs_f64() / seconds as f64, worst]
+}
+
+/// Blocks of sound while strings ring that a press of these keys has struck, forte, all keys of which are then held or
+/// let go under the pedal. The mean and the worst block as a share of its time; `sleep`: whether actions that rest are
+/// left out.
+fn blocks(instruments: &[Instrument], pressed: &[usize], pedal_m: f64, sleep: bool, blocks: usize) -> [f64; 2] {
+    let mut keys = Keys::at_rest(instruments, Settings::new(STEP_S)).expect("they rest");
+    keys.halve(Halving::Fewer(2));
+    keys.let_sleep(sleep);
+    keys.set_pedal(pedal_m);
+    let mut go = |steps: u32, keys: &mut Keys| {
+        let started = Instant::now();
+        for _ in 0..steps {
+            black_box(keys.step());
+            black_box(keys.pressure_pa());
+        }
+        started.elapsed().as_secs_f64() / (f64::from(steps) * STEP_S)
+    };
+    go(4800, &mut keys);
+    pressed.iter().for_each(|key| keys.drive(*key, Input::Force(9.0)).expect("a key"));
+    go(4800, &mut keys);
+    if pedal_m > 0.0 {
+        pressed.iter().for_each(|key| keys.drive(*key, Input::Free).expect("a key"));
+        go(4800, &mut keys);
+    }
+    let shares: Vec<f64> = (0..blocks).map(|_| go(STEPS_PER_BLOCK, &mut keys)).collect();
+    [shares.iter().sum::<f64>() / blocks as f64, shares.into_iter().fold(0.0, f64::max)]
 }
 
 /// Seconds for a simulated second of a mezzo forte: pressed, held for half a second, and let go; best of five. Steps
@@ -138,7 +168,7 @@ fn main() {
         1e3 * fixed
     );
     let keyboard = Keyboard::builtin("concert-grand-strings").expect("built in");
-    for (name, halving) in [("halved", Halving::Auto), ("whole", Halving::Never)] {
+    for (name, halving) in [("halved", Halving::Auto), ("fewer", Halving::Fewer(2)), ("whole", Halving::Never)] {
         let ([mean, worst], late) = top_octave(&keyboard.instruments().expect("it reads"), halving);
         println!(
             "ten fingers at once in the top octave, ff, {name} steps: mean {:.1} us, worst {:.0} us; {late} steps of an impact take longer than the {:.1} us that pass meanwhile",
@@ -152,7 +182,33 @@ fn main() {
         "ten fingers that stay on their keys and repeat them, thirty strings: {load:.2} s for a second; worst millisecond {:.2} ms",
         1e3 * worst
     );
-    let keys = Keys::at_rest(&keyboard.instruments().expect("it reads"), Settings::new(STEP_S)).expect("they rest");
+    let instruments = keyboard.instruments().expect("it reads");
+    let ten = [28, 31, 35, 40, 43, 47, 52, 55, 59, 64];
+    for (name, sleep) in [("their actions asleep", true), ("their actions stepped", false)] {
+        let held: Vec<Instrument> = ten.iter().map(|key| instruments[key - 1].clone()).collect();
+        let [mean, worst] = blocks(&held, &(1..=10).collect::<Vec<_>>(), 0.0, sleep, BLOCKS);
+        println!(
+            "ten held notes that ring, {name}: {:.0} % of real time, {:.1} times ten bare trichords; worst of {BLOCKS} blocks {:.0} %",
+            100.0 * mean,
+            mean * STEP_S / (10.0 * fresh),
+            100.0 * worst
+        );
+    }
+    let halves = std::thread::scope(|scope| {
+        let half = |from: usize| {
+            let own: Vec<Instrument> = instruments.iter().skip(from).step_by(2).cloned().collect();
+            scope.spawn(move || blocks(&own, &(1..=own.len()).collect::<Vec<_>>(), 7e-3, true, BLOCKS / 10))
+        };
+        [half(0), half(1)].map(|half| half.join().expect("it steps"))
+    });
+    let [mean, worst] = [0, 1].map(|k| halves[0][k].max(halves[1][k]));
+    println!(
+        "all 88 keys ring under the pedal, half of them on each of two cores: {:.0} % of real time; worst of {} blocks {:.0} %",
+        100.0 * mean,
+        BLOCKS / 10,
+        100.0 * worst
+    );
+    let keys = Keys::at_rest(&instruments, Settings::new(STEP_S)).expect("they rest");
     let mut tremolo = Tremolo::new(keys, 10);
     let (mut worst, mut awake, seconds) = (0.0_f64, 0, 3);
     let started = Instant::now();

@@ -2,8 +2,8 @@
 //!
 //! Whatever a felt presses that does not move stands on the key bed: the punchings under the keys, the rails of let-off
 //! buttons, drop screws and hammers, the rail that stops the dampers' levers and the one by which the pedal lifts them.
-//! A felt's force F is known; it moves the modes of the bed and is not changed by them, for the bed yields by some 0.1 mm/s a newton,
-//! and felts are struck at 100 mm/s and more:
+//! A felt's force F is known; it moves the modes of the bed and is not changed by them, for the bed yields by some 0.1
+//! mm/s a newton, and felts are struck at 100 mm/s and more:
 //!
 //! ```text
 //! M_k (q_k'' + eta_k w_k q_k' + w_k^2 q_k) = F,   p = sum g_k q_k'
@@ -97,6 +97,11 @@ impl Knocks {
         Knocks((0..instrument.zones.len()).filter(|zone| of(*zone).is_some_and(|one| knocks.contains(&one))).collect())
     }
 
+    /// The zones.
+    pub(crate) fn zones(&self) -> &[usize] {
+        &self.0
+    }
+
     /// The sum of their forces, N, of each zone's.
     #[must_use]
     pub fn force_n(&self, of: impl Fn(usize) -> f64) -> f64 {
@@ -129,6 +134,8 @@ struct Moving {
 pub struct KeyBed {
     modes: Vec<Moving>,
     is_still: bool,
+    /// The force on it that was heard of last, N.
+    force_n: Option<f64>,
 }
 
 impl KeyBed {
@@ -148,7 +155,20 @@ impl KeyBed {
             ];
             Moving { at: [0.0; 2], by, m_per_n: 1.0 / (mode.mass_kg * omega * omega), omega, gain }
         };
-        KeyBed { modes: modes.iter().zip(BED.gains(&modes)).map(moving).collect(), is_still: true }
+        KeyBed { modes: modes.iter().zip(BED.gains(&modes)).map(moving).collect(), is_still: true, force_n: None }
+    }
+
+    /// What is heard at the end of a sample in which this force is on the bed, N; the first one is on it since long:
+    /// the pressure at two places, Pa.
+    #[must_use]
+    pub fn hear(&mut self, force_n: f64) -> [f64; 2] {
+        let before_n = self.force_n.replace(force_n).unwrap_or(force_n);
+        self.step(force_n - before_n)
+    }
+
+    /// The next force is on the bed since long; what it moves still is heard.
+    pub fn forget(&mut self) {
+        self.force_n = None;
     }
 
     /// What is heard at the end of a sample within which the force on the bed is larger than in the one before by this,

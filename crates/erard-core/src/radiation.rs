@@ -2,8 +2,8 @@
 //!
 //! **How loud a mode is.** A mode of effective mass M that moves the place of the force at v has the kinetic energy M
 //! v^2 / 2, which is that of the whole plate: of a mass mu per area it moves with S u^2 = M v^2 / mu in the mean over
-//! its area S. It radiates P = sigma rho c S u^2 into half the space, which at a distance d makes p^2 / (rho c) = P / (2 pi
-//! d^2),
+//! its area S. It radiates P = sigma rho c S u^2 into half the space, which at a distance d makes p^2 / (rho c) = P /
+//! (2 pi d^2),
 //!
 //! ```text
 //! p = g v,   g = (rho c / d) sqrt(sigma M / (2 pi mu))
@@ -37,7 +37,8 @@ pub(crate) struct Plate {
     pub coincidence_hz: f64,
 }
 
-/// A soundboard: 9 kg with ribs and bridges over some 1.3 m2, and its coincidence (K. Ege and X. Boutillon, an upright).
+/// A soundboard: 9 kg with ribs and bridges over some 1.3 m2, and its coincidence (K. Ege and X. Boutillon, an
+/// upright).
 pub(crate) const BOARD: Plate = Plate { kg_per_m2: 7.0, coincidence_hz: 1800.0 };
 
 impl Plate {

@@ -81,8 +81,8 @@ struct Watch {
     sent_m: f64,
     caught: bool,
     next_foot: usize,
-    /// Force of what knocks, N.
-    bed_n: f64,
+    /// Force of what knocks, N, once a step has been taken.
+    bed_n: Option<f64>,
     /// Smallest and largest force on the bridge since `since`, N.
     swing_n: [f64; 2],
     since: u64,
@@ -174,7 +174,7 @@ impl<'a> Key<'a> {
             sent_m: 0.0,
             caught: false,
             next_foot: 0,
-            bed_n: bed_n(&knocks, &action),
+            bed_n: None,
             swing_n: [f64::INFINITY, f64::NEG_INFINITY],
             since: 0,
             quiet: true,
@@ -449,8 +449,8 @@ impl<'a> Key<'a> {
                     heard => self.action.strings().map_or([0.0; 2], |strings| heard.now(strings)),
                 };
                 let bed_n = bed_n(&self.knocks, &self.action);
-                let sample = Sample { strings: strings.map(|x| x as f32), knocks_n: (bed_n - self.watch.bed_n) as f32 };
-                self.watch.bed_n = bed_n;
+                let before_n = self.watch.bed_n.replace(bed_n).unwrap_or(bed_n);
+                let sample = Sample { strings: strings.map(|x| x as f32), knocks_n: (bed_n - before_n) as f32 };
                 // The sample that ends with this step.
                 match sounds.last_mut() {
                     Some((from, samples)) if *from + samples.len() as u64 == self.n => samples.push(sample),

@@ -54,6 +54,11 @@ pub trait Bank: Send {
     /// Advances all mechanisms that are awake by one step. Calls `impact` for each one whose probe point has hit its
     /// zone.
     fn step(&mut self, impact: &mut dyn FnMut(usize, Impact)) -> Tick;
+    /// Sets the zones of a mechanism whose normal forces every step adds up; none at first. Allocates.
+    fn listen(&mut self, index: usize, zones: &[usize]);
+    /// Returns by how much this sum, N, has changed since a mechanism's first step of those that listen, but for the
+    /// first step after [`Bank::restore`].
+    fn listened_n(&self, index: usize) -> f64;
     /// Returns the output of a mechanism's last step.
     fn output(&self, index: usize) -> StepOutput;
     /// Returns the absolute angles of a mechanism's bodies, rad.
@@ -95,7 +100,9 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
         let core: Stepped<B, Z> = Stepped::new(description, probes).map_err(|error| (i, error))?;
         // Room for its laws.
         Workspace::<f64, B, Z, N>::for_model(&core.model).map_err(|error| (i, error))?;
-        Ok(Member { core, probes: *probes, input: SiteInput::Free, awake: true, drive_n: 0.0, zone_n: 0.0 })
+        let (zones, input) = (Vec::new(), SiteInput::Free);
+        let (zones_n, listened_n) = (None, 0.0);
+        Ok(Member { core, probes: *probes, zones, input, awake: true, drive_n: 0.0, zone_n: 0.0, zones_n, listened_n })
     });
     let members = each.collect::<Result<Vec<_>, _>>()?;
     let awake = (0..members.len()).collect();
@@ -106,11 +113,16 @@ fn boxed<const B: usize, const Z: usize, const N: usize>(
 struct Member<const B: usize, const Z: usize> {
     core: Stepped<B, Z>,
     probes: Probes,
+    /// Zones whose forces are added up.
+    zones: Vec<usize>,
     input: SiteInput<f64>,
     awake: bool,
-    /// Forces in the last step, N: of the drive, of the probe zone.
+    /// Forces in the last step, N: of the drive, of the probe zone, of the zones that are added up.
     drive_n: f64,
     zone_n: f64,
+    zones_n: Option<f64>,
+    /// By how much the last has changed, N.
+    listened_n: f64,
 }
 
 struct Members<const B: usize, const Z: usize, const N: usize> {
@@ -198,7 +210,8 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
         let mut tick = Tick::default();
         let mut place = 0;
         while let Some(&index) = awake.get(place) {
-            let Member { core, probes, input, awake: is_awake, drive_n, zone_n } = &mut members[index];
+            let Member { core, probes, zones, input, awake: is_awake, drive_n, zone_n, zones_n, listened_n } =
+                &mut members[index];
             // Working memory holds another's contacts, and what is awake is stepped; but while something rings that is
             // out of its reach, it sleeps.
             if core.under.is_none() || !*sleep {
@@ -210,7 +223,12 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
                 report = together(report, core.step(&own, &input, (settings.step, part), workspace));
                 if !core.was_left_out() {
                     *drive_n = workspace.drive_force();
-                    *zone_n = probes.zone.map_or(0.0, |zone| workspace.normal_force(&core.model, &own, zone));
+                    let force_n = |zone: usize| workspace.normal_force(&core.model, &own, zone);
+                    *zone_n = probes.zone.map_or(0.0, force_n);
+                    if !zones.is_empty() {
+                        let sum_n: f64 = zones.iter().copied().map(force_n).sum();
+                        *listened_n += sum_n - zones_n.replace(sum_n).unwrap_or(sum_n);
+                    }
                 }
                 found = found.or(core.impact());
             }
@@ -232,6 +250,15 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
         }
         clock.tick(settings.step);
         tick
+    }
+
+    fn listen(&mut self, index: usize, zones: &[usize]) {
+        let member = &mut self.members[index];
+        (member.zones, member.zones_n) = (zones.to_vec(), None);
+    }
+
+    fn listened_n(&self, index: usize) -> f64 {
+        self.members[index].listened_n
     }
 
     fn output(&self, index: usize) -> StepOutput {
@@ -258,7 +285,7 @@ impl<const B: usize, const Z: usize, const N: usize> Bank for Members<B, Z, N> {
         let clock = self.clock;
         let member = &mut self.members[index];
         member.core.set_clock(clock);
-        (member.drive_n, member.zone_n) = (0.0, 0.0);
+        (member.drive_n, member.zone_n, member.zones_n) = (0.0, 0.0, None);
         self.wake(index);
     }
 

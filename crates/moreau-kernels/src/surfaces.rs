@@ -92,6 +92,8 @@ pub enum Halving {
     Auto,
     /// This many more halvings than requested, to estimate the remaining error.
     Further(u32),
+    /// This many fewer, for loops that must not be late.
+    Fewer(u32),
     /// No halving: all steps are whole.
     Never,
 }
@@ -102,6 +104,7 @@ impl Halving {
         match self {
             Halving::Auto => asked,
             Halving::Further(times) => Parts { near: asked.near.saturating_mul(1 << times.min(16)), ..asked },
+            Halving::Fewer(times) => Parts { near: (asked.near >> times.min(31)).max(asked.apart), ..asked },
             Halving::Never => Parts::WHOLE,
         }
     }

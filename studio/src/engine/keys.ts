@@ -9,6 +9,8 @@ const IMPACT_BYTES = 24;
 /** Bytes of ErardInput: its size, its kind and six doubles. */
 const INPUT_BYTES = 72;
 const FREE = 0, FORCE = 1, MOTION = 2;
+/** ERARD_HALVING_FEWER: a step near the strings takes a fourth of the time, with errors that nobody hears. */
+const FEWER = 2;
 /** A fingertip's way is taken in so many seconds at a time. */
 const STRIDE_S = 1e-3;
 const FASTEST_M_PER_S = 2;
@@ -21,8 +23,10 @@ export class Keys {
   private readonly many: number;
   private readonly reading: number;
   private readonly bridge: number;
-  /** Whether the keys have modal strings. */
+  private readonly pressure: number;
+  /** Whether the keys have modal strings, and whether these move a soundboard. */
   readonly sounds: boolean;
+  readonly radiates: boolean;
   /** What a passage has still to do, in the order of its time: after how many steps which key is pressed by how much;
    * and the steps since it began. */
   private score: { step: number; key: number; force_n: number }[] = [];
@@ -31,8 +35,9 @@ export class Keys {
   private finger_m: number | null = null;
   private struck: KeyImpact[] = [];
 
-  /** @param name a built-in keyboard. @param step_s length of a step, s. */
-  constructor(private readonly library: Library, private readonly name: string, private readonly step_s: number) {
+  /** @param name a built-in keyboard. @param step_s length of a step, s. @param exact whether blows are computed as
+   * exactly as the command does; else so that none is late. */
+  constructor(private readonly library: Library, private readonly name: string, private readonly step_s: number, exact: boolean) {
     const { raw } = library;
     this.keyboard = library.made(library.given(name, (at) => raw.erard_keyboard_builtin(at, step_s, 0)));
     this.count = raw.erard_keyboard_key_count(this.keyboard);
@@ -41,8 +46,11 @@ export class Keys {
     this.many = raw.erard_memory_new(8);
     this.reading = library.struct(READING_BYTES);
     this.bridge = raw.erard_memory_new(8);
+    this.pressure = raw.erard_memory_new(16);
     // Dampers at rest press on modal strings.
     this.sounds = this.bridge_n() !== 0;
+    this.radiates = raw.erard_keyboard_pressure(this.keyboard, this.pressure) === 0;
+    if (this.sounds && !exact) this.check(raw.erard_keyboard_set_halving(this.keyboard, FEWER));
   }
 
   private check(status: number): void {
@@ -95,13 +103,14 @@ export class Keys {
   }
 
   /** So many steps, in which a fingertip on the key that is shown gets evenly to where it is wanted, m (null: lifted).
-   * `heard` receives the force on the bridge after each step, N, where strings sound. */
-  walk(steps: number, to_m: number | null, heard: { [step: number]: number } | null): void {
+   * Where strings sound, `bridge` receives their force on the bridge after each step, N, and `places` the pressure at
+   * two places before the soundboard, Pa (the force, where none moves). */
+  walk(steps: number, to_m: number | null, bridge: { [step: number]: number } | null, places: readonly { [step: number]: number }[] = []): void {
     const { library, step_s, shown } = this, { raw } = library;
     const from_m = this.finger_m ?? to_m, stride = Math.max(Math.round(STRIDE_S / step_s), 1);
     const wanted = to_m === null || from_m === null || !steps ? 0 : (to_m - from_m) / (steps * step_s);
     const velocity = Math.min(Math.max(wanted, -FASTEST_M_PER_S), FASTEST_M_PER_S);
-    const each = this.sounds && heard !== null;
+    const each = this.sounds && bridge !== null;
     if (shown && to_m === null && this.finger_m !== null) this.press(shown.key, 0);
     for (let done = 0; done < steps; ) {
       for (; this.walked !== null && this.score[0] && this.score[0].step <= this.walked; this.score.shift()) this.press(this.score[0].key, this.score[0].force_n);
@@ -114,7 +123,11 @@ export class Keys {
         const at = this.impacts + IMPACT_BYTES * n;
         this.struck.push({ key: library.u32(at + 4, 1)[0]!, hammer_speed_m_per_s: library.f64(at + 16, 1)[0]!, at_s: this.walked === null ? null : this.walked * step_s });
       }
-      if (each) heard[done] = this.bridge_n();
+      if (each) {
+        const force_n = (bridge[done] = this.bridge_n());
+        if (this.radiates && places.length) this.check(raw.erard_keyboard_pressure(this.keyboard, this.pressure));
+        for (const [place, numbers] of places.entries()) numbers[done] = this.radiates ? library.f64(this.pressure, 2)[place]! : force_n;
+      }
       done += some;
       if (this.walked !== null) this.walked += some;
     }

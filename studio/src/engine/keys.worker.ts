@@ -16,7 +16,7 @@ const say = (message: FromKeys, transfer: Transferable[] = []) => postMessage(me
 const open = async (module: WebAssembly.Module, name: string, length_s: number): Promise<void> => {
   const began = performance.now();
   step_s = length_s;
-  keys = new Keys(await Library.open(module), name, step_s);
+  keys = new Keys(await Library.open(module), name, step_s, false);
   say({ kind: "ready", keys: keys.count, step_s, took_ms: performance.now() - began });
 };
 

@@ -45,6 +45,7 @@ export interface Exports {
   erard_action_string_shape(action: number, shape: number, count: number): number;
   erard_action_set_pedal(action: number, lift: number): number;
   erard_action_bridge_force(action: number, force: number): number;
+  erard_action_pressure(action: number, pressure: number): number;
   erard_action_save(action: number, bytes: number, size: number): number;
   erard_action_restore(action: number, bytes: number, size: number): number;
   erard_action_is_asleep(action: number): number;
@@ -76,6 +77,8 @@ export interface Exports {
   erard_keyboard_read(keyboard: number, key: number, reading: number): number;
   erard_keyboard_set_pedal(keyboard: number, lift: number): number;
   erard_keyboard_total_bridge_force(keyboard: number, force: number): number;
+  erard_keyboard_pressure(keyboard: number, pressure: number): number;
+  erard_keyboard_set_halving(keyboard: number, kind: number): number;
   erard_keyboard_angles(keyboard: number, key: number, angles: number, count: number): number;
 }
 

@@ -199,7 +199,7 @@ export type Task =
   | { kind: "check"; text: string }
   | { kind: "columns"; titles: string[] }
   | { kind: "run"; text: string; stroke: Stroke }
-  | { kind: "sound"; text: string; stroke: Stroke; seconds: number }
+  | { kind: "sound"; text: string; stroke: Stroke; pedal_m: number; seconds: number }
   | { kind: "try"; text: string }
   | { kind: "measure"; text: string; lines: string }
   | { kind: "regulate"; text: string }
@@ -231,9 +231,22 @@ export interface Stand {
   shown: { key: number; angles: Float32Array<ArrayBuffer> } | null;
 }
 
-/** Force on the bridge, N, that is a full scale of sound, the same for all keys: three keys struck as loud as can be
- * reach it together. */
-export const FULL_SCALE_N = 150;
+/** What is a full scale of sound, the same for all keys, as the command has it: pressure before a soundboard, Pa, or
+ * force on a bridge that stands still, N. Three keys struck as loud as can be reach it together. */
+export const FULL_SCALE = { Pa: 10, N: 150 };
+export type Unit = keyof typeof FULL_SCALE;
+/** What is heard, as the page says it. */
+export const HEARD: Record<Unit, string> = {
+  Pa: "the pressure 1 m before the soundboard, without a room; an estimate",
+  N: "the strings\u2019 force on the bridge, for no soundboard moves",
+};
+/** A note: after each step what is heard on the left and on the right, and the force on the bridge less that at rest,
+ * N. */
+export interface Note {
+  unit: Unit;
+  channels: [Float32Array<ArrayBuffer>, Float32Array<ArrayBuffer>];
+  bridge_n: Float32Array<ArrayBuffer>;
+}
 /** Length of a step where strings are heard, s. */
 export const SOUND_STEP_S = 1 / 24e3;
 
@@ -248,6 +261,7 @@ export type ToKeys =
   | { kind: "frame"; wall_ms: number; forces: [number, number][]; finger_m: number | null };
 /** What was sent to the loudspeaker since the frame before. */
 export interface Heard {
+  unit: Unit;
   /** Largest sample, of a full scale of 1, and samples that were beyond it. */
   peak: number;
   clipped: number;

@@ -1,8 +1,9 @@
 // The processor that owns a keyboard whose strings sound, and moves it on with blocks of samples: what is heard is the
-// force of all strings on the bridge, less that at rest, at a fixed gain. There is no soundboard.
+// pressure at two places before the soundboard, at a fixed gain; where none moves, the force of all strings on the
+// bridge, less that at rest.
 import { Keys } from "./keys";
 import { Library } from "./library";
-import { type FromKeys, FULL_SCALE_N, type ToKeys } from "./protocol";
+import { type FromKeys, FULL_SCALE, type ToKeys, type Unit } from "./protocol";
 
 declare const sampleRate: number;
 declare const currentTime: number;
@@ -11,11 +12,13 @@ declare class AudioWorkletProcessor {
 }
 declare const registerProcessor: (name: string, processor: new (node: { processorOptions: Options }) => AudioWorkletProcessor) => void;
 
-/** `turns`: a passage that begins at once (for tests, which cannot send messages in time). */
+/** `turns`: a passage that begins at once (for tests, which cannot send messages in time). `exact`: as the command
+ * computes it, however long a block takes. */
 export interface Options {
   module: WebAssembly.Module;
   name: string;
   turns: [number, number, number][];
+  exact: boolean;
 }
 
 /** Two samples are a step: the usual length where strings sound, at 48 kHz. */
@@ -44,10 +47,13 @@ const weights = (): number[] => {
 class Sound extends AudioWorkletProcessor {
   private readonly keys: Keys;
   private readonly step_s = SAMPLES / sampleRate;
-  private readonly rest_n: number;
+  private readonly unit: Unit;
+  /** What is there at rest, which is not heard, N or Pa. */
+  private readonly rest: number;
   private readonly weights = weights();
-  /** The force after the last steps, N: twice the side, the oldest first. */
-  private readonly past = new Float64Array(2 * SIDE);
+  /** What was heard after the last steps, left and right: twice the side, the oldest first. */
+  private readonly past = [new Float64Array(2 * SIDE), new Float64Array(2 * SIDE)];
+  private places = [new Float64Array(), new Float64Array()];
   private block = new Float64Array();
   private kept: number[] = [];
   private finger: { now_m: number; to_m: number; left_s: number } | null = null;
@@ -60,11 +66,12 @@ class Sound extends AudioWorkletProcessor {
   private behind_s: number | null = null;
   private failed = false;
 
-  constructor({ processorOptions: { module, name, turns } }: { processorOptions: Options }) {
+  constructor({ processorOptions: { module, name, turns, exact } }: { processorOptions: Options }) {
     super();
     const began = Date.now();
-    this.keys = new Keys(new Library(new WebAssembly.Instance(module, {})), name, this.step_s);
-    this.rest_n = this.keys.bridge_n();
+    this.keys = new Keys(new Library(new WebAssembly.Instance(module, {})), name, this.step_s, exact);
+    this.unit = this.keys.radiates ? "Pa" : "N";
+    this.rest = this.keys.radiates ? 0 : this.keys.bridge_n();
     if (turns.length) this.keys.begin(turns);
     this.port.onmessage = ({ data }: MessageEvent<ToKeys>) => this.guarded(() => this.take(data));
     this.say({ kind: "ready", keys: this.keys.count, step_s: this.step_s, took_ms: Date.now() - began });
@@ -93,10 +100,10 @@ class Sound extends AudioWorkletProcessor {
       for (const [key, force] of data.forces) this.keys.press(key, force);
       const to_m = data.finger_m;
       this.finger = to_m === null ? null : { now_m: this.finger?.now_m ?? to_m, to_m, left_s: FRAME_S };
-      const bridge_n = Float32Array.from(this.kept), { steps, spent_ms, peak, clipped, dropouts, lost_s } = this;
+      const bridge_n = Float32Array.from(this.kept), { steps, spent_ms, unit, peak, clipped, dropouts, lost_s } = this;
       this.kept = [];
       this.steps = this.spent_ms = this.peak = this.clipped = 0;
-      this.say({ kind: "frame", wall_ms: data.wall_ms, ...this.keys.stand(), steps, cost_ms: spent_ms, late_s: lost_s, bridge_n, sound: { peak, clipped, dropouts, lost_s } });
+      this.say({ kind: "frame", wall_ms: data.wall_ms, ...this.keys.stand(), steps, cost_ms: spent_ms, late_s: lost_s, bridge_n, sound: { unit, peak, clipped, dropouts, lost_s } });
     }
   }
 
@@ -111,33 +118,35 @@ class Sound extends AudioWorkletProcessor {
     } else this.behind_s = before_s + DRIFT * (behind_s - before_s);
   }
 
-  process(_: Float32Array[][], [[out]]: [Float32Array[]]): boolean {
+  process(_: Float32Array[][], [channels]: [Float32Array[]]): boolean {
     this.listen();
-    this.guarded(() => this.fill(out!));
+    this.guarded(() => this.fill(channels));
     return !this.failed;
   }
 
-  private fill(out: Float32Array): void {
+  private fill(channels: Float32Array[]): void {
     const { keys, past, weights, finger, step_s } = this;
-    const began = Date.now(), steps = out.length / SAMPLES;
-    if (this.block.length !== steps) this.block = new Float64Array(steps);
+    const began = Date.now(), steps = channels[0]!.length / SAMPLES;
+    if (this.block.length !== steps) [this.block, this.places] = [new Float64Array(steps), [new Float64Array(steps), new Float64Array(steps)]];
     if (finger) {
       finger.now_m += (finger.to_m - finger.now_m) * Math.min((steps * step_s) / Math.max(finger.left_s, 1e-9), 1);
       finger.left_s -= steps * step_s;
     }
-    keys.walk(steps, finger ? finger.now_m : null, this.block);
-    for (let step = 0; step < steps; step++) {
-      const force_n = this.block[step]! - this.rest_n;
-      past.copyWithin(0, 1);
-      past[2 * SIDE - 1] = force_n;
-      this.kept.push(this.block[step]!);
-      let between = 0;
-      for (let n = 0; n < SIDE; n++) between += weights[n]! * (past[SIDE - 1 - n]! + past[SIDE + n]!);
-      for (const [at, n] of [[2 * step, past[SIDE - 1]!], [2 * step + 1, between]] as const) {
-        const sample = n / FULL_SCALE_N, loud = Math.abs(sample);
-        this.peak = Math.max(this.peak, loud);
-        if (loud > 1) this.clipped += 1;
-        out[at] = Math.min(Math.max(sample, -1), 1);
+    keys.walk(steps, finger ? finger.now_m : null, this.block, this.places);
+    this.kept.push(...this.block);
+    for (const [channel, out] of channels.entries()) {
+      const own = past[channel]!, heard = this.places[channel]!;
+      for (let step = 0; step < steps; step++) {
+        own.copyWithin(0, 1);
+        own[2 * SIDE - 1] = heard[step]! - this.rest;
+        let between = 0;
+        for (let n = 0; n < SIDE; n++) between += weights[n]! * (own[SIDE - 1 - n]! + own[SIDE + n]!);
+        for (const [at, n] of [[2 * step, own[SIDE - 1]!], [2 * step + 1, between]] as const) {
+          const sample = n / FULL_SCALE[this.unit], loud = Math.abs(sample);
+          this.peak = Math.max(this.peak, loud);
+          if (loud > 1) this.clipped += 1;
+          out[at] = Math.min(Math.max(sample, -1), 1);
+        }
       }
     }
     const most = Math.round(KEPT_S / step_s);

@@ -1,31 +1,35 @@
 // A worker for what takes its time: files checked, sheets measured, screws turned. The player never waits for it.
 import { Library, LibraryError } from "./library";
 import { STEP_S } from "./played";
-import { type FromWorkshop, SOUND_STEP_S, type Stroke, type Task, type ToWorkshop } from "./protocol";
+import { type FromWorkshop, type Note, SOUND_STEP_S, type Task, type ToWorkshop } from "./protocol";
 
 let library: Library;
 const say = (message: FromWorkshop) => postMessage(message);
 
-/** What the strings of a note do to the bridge: the force less that at rest, N, after each step; nothing where strings
- * are rigid. */
-const sound = (instrument: number, of: Stroke, seconds: number): Float32Array<ArrayBuffer> => {
+/** A note as it is heard; without samples where strings are rigid. */
+const sound = (instrument: number, { stroke: of, pedal_m, seconds }: Extract<Task, { kind: "sound" }>): Note => {
   const { raw } = library;
-  const action = library.made(raw.erard_action_of_instrument(instrument, SOUND_STEP_S, 0)), place = raw.erard_memory_new(8);
+  const action = library.made(raw.erard_action_of_instrument(instrument, SOUND_STEP_S, 0)), place = raw.erard_memory_new(16);
   const stroke = library.stroke(instrument, of);
   const bridge_n = (): number => {
     library.done(raw.erard_action_bridge_force(action, place));
     return library.f64(place, 1)[0]!;
   };
   try {
-    if (!raw.erard_action_string_places(action, 0, 0)) return new Float32Array();
-    const rest_n = bridge_n();
-    return Float32Array.from({ length: Math.round(seconds / SOUND_STEP_S) }, () => {
+    const steps = raw.erard_action_string_places(action, 0, 0) ? Math.round(seconds / SOUND_STEP_S) : 0;
+    library.done(raw.erard_action_set_pedal(action, pedal_m));
+    const rest_n = bridge_n(), radiates = raw.erard_action_pressure(action, place) === 0;
+    const note: Note = { unit: radiates ? "Pa" : "N", channels: [new Float32Array(steps), new Float32Array(steps)], bridge_n: new Float32Array(steps) };
+    for (let n = 0; n < steps; n++) {
       library.done(raw.erard_action_step_stroke(action, stroke, 0));
-      return bridge_n() - rest_n;
-    });
+      const force_n = (note.bridge_n[n] = bridge_n() - rest_n);
+      if (radiates) library.done(raw.erard_action_pressure(action, place));
+      for (const [side, numbers] of note.channels.entries()) numbers[n] = radiates ? library.f64(place, 2)[side]! : force_n;
+    }
+    return note;
   } finally {
     raw.erard_stroke_free(stroke);
-    raw.erard_memory_free(place, 8);
+    raw.erard_memory_free(place, 16);
     raw.erard_action_free(action);
   }
 };
@@ -88,7 +92,7 @@ const answer = (task: Task): unknown => {
         }
       });
     case "sound":
-      return library.withInstrument(task.text, (instrument) => sound(instrument, task.stroke, task.seconds));
+      return library.withInstrument(task.text, (instrument) => sound(instrument, task));
     case "try":
       return library.withInstrument(task.text, (instrument) => library.json(raw.erard_instrument_test_press(instrument, 0, 0)));
     case "measure":

@@ -1,6 +1,6 @@
 // The studio: what the panels share. It owns the state, the workers and the clock of frames, and knows nothing of the
 // panels' insides.
-import type { Dial, Events, FromPlayer, Impact, Pose, Scene, Stroke, ToPlayer, Touch } from "../engine/protocol";
+import type { Dial, Events, FromPlayer, Impact, Note, Pose, Scene, Stroke, ToPlayer, Touch } from "../engine/protocol";
 import { Bench, Dropped } from "./bench";
 import { CurvePanel } from "./curves";
 import { byId, fixed, later, say } from "./dom";
@@ -87,8 +87,8 @@ export class App {
   readonly keysTiming: [number, number, number][] = [];
   keysLate = 0;
   /** For tests: the notes that were heard last, N at the bridge in steps of SOUND_STEP_S. */
-  sounds: Float32Array[] = [];
-  readonly rendered = async (turns: [number, number, number][], seconds: number) => (await import("./sound")).rendered(this.engine, this.state.keyboard, turns, seconds);
+  sounds: Note[] = [];
+  readonly rendered = async (turns: [number, number, number][], seconds: number, exact: boolean) => (await import("./sound")).rendered(this.engine, this.state.keyboard, turns, seconds, exact);
 
   constructor(readonly engine: WebAssembly.Module) {
     this.bench = new Bench(engine);

@@ -1,7 +1,7 @@
 // The keyboard: 88 actions of one piano, each with its own hammer, leads and dampers, under ten fingers.
 import uPlot from "uplot";
 import { STEP_S } from "../engine/played";
-import type { FromKeys, Heard, KeyImpact, Scene } from "../engine/protocol";
+import { type FromKeys, HEARD, type Heard, type KeyImpact, type Scene } from "../engine/protocol";
 import type { App } from "./app";
 import { fixed, h, say } from "./dom";
 import { PASSAGE, passage } from "./examples";
@@ -186,11 +186,11 @@ export const keyboardPanel = (app: App, into: HTMLElement): void => {
     restart();
   });
   /** What the loudspeaker got: how loud, and whether it broke off. */
-  const tell = ({ peak, clipped, dropouts, lost_s }: Heard) => {
+  const tell = ({ unit, peak, clipped, dropouts, lost_s }: Heard) => {
     meter.hidden = false;
     meter.value = Math.max(Math.min(peak, 1), FALLS * meter.value);
     if (clipped) loud += clipped;
-    const text = `Heard: the strings\u2019 force on the bridge, not what the soundboard radiates; ${dropouts ? `${dropouts} drop-${dropouts === 1 ? "out" : "outs"}, ${fixed(lost_s, 1)} s` : "no drop-outs"}${loud ? `; ${loud} samples were too loud` : ""}.`;
+    const text = `Heard: ${HEARD[unit]}; ${dropouts ? `${dropouts} drop-${dropouts === 1 ? "out" : "outs"}, ${fixed(lost_s, 1)} s` : "no drop-outs"}${loud ? `; ${loud} samples were too loud` : ""}.`;
     if (sound_said.textContent !== text) sound_said.textContent = text;
   };
   let loud = 0;

@@ -1,6 +1,6 @@
 // Sound: a keyboard in the browser's audio thread, notes rendered before they are heard, and why there is silence.
 // Loaded when it is asked for.
-import { type FromKeys, FULL_SCALE_N, SOUND_STEP_S, type ToKeys } from "../engine/protocol";
+import { type FromKeys, FULL_SCALE, type Note, SOUND_STEP_S, type ToKeys } from "../engine/protocol";
 import type { Options } from "../engine/sound.worklet";
 import worklet from "../engine/sound.worklet.ts?worker&url";
 
@@ -31,7 +31,7 @@ const begun = async (options: AudioContextOptions): Promise<AudioContext> => {
 export const keysNode = async (context: BaseAudioContext, options: Options): Promise<AudioWorkletNode> => {
   if (!context.audioWorklet) throw new Error("browsers give pages the audio thread over https, or from this machine, only");
   await context.audioWorklet.addModule(worklet);
-  const node = new AudioWorkletNode(context, "erard-keys", { numberOfInputs: 0, outputChannelCount: [1], processorOptions: options });
+  const node = new AudioWorkletNode(context, "erard-keys", { numberOfInputs: 0, outputChannelCount: [2], processorOptions: options });
   node.connect(context.destination);
   return node;
 };
@@ -40,7 +40,7 @@ export const keysNode = async (context: BaseAudioContext, options: Options): Pro
 export const speaker = async (module: WebAssembly.Module, name: string, hear: (message: FromKeys) => void): Promise<Speaker> => {
   const context = await begun({ sampleRate: RATE_HZ, latencyHint: "interactive" });
   try {
-    const node = await keysNode(context, { module, name, turns: [] });
+    const node = await keysNode(context, { module, name, turns: [], exact: false });
     node.port.onmessage = ({ data }: MessageEvent<FromKeys>) => hear(data);
     node.onprocessorerror = () => hear({ kind: "fault", message: "the audio thread has failed" });
     return { tell: (message) => node.port.postMessage(message), end: () => void context.close() };
@@ -50,27 +50,28 @@ export const speaker = async (module: WebAssembly.Module, name: string, hear: (m
   }
 };
 
-/** For tests: a passage as the audio thread plays it, faster than it is heard: samples at 48 kHz of a full scale of
- * 1. */
-export const rendered = async (module: WebAssembly.Module, name: string, turns: [number, number, number][], seconds: number): Promise<Float32Array> => {
-  const context = new OfflineAudioContext(1, Math.round(seconds * RATE_HZ), RATE_HZ);
-  await keysNode(context, { module, name, turns });
-  return (await context.startRendering()).getChannelData(0);
+/** For tests: a passage as the audio thread plays it, faster than it is heard: samples at 48 kHz of a full scale of 1,
+ * left and right. */
+export const rendered = async (module: WebAssembly.Module, name: string, turns: [number, number, number][], seconds: number, exact: boolean): Promise<Float32Array[]> => {
+  const context = new OfflineAudioContext(2, Math.round(seconds * RATE_HZ), RATE_HZ);
+  await keysNode(context, { module, name, turns, exact });
+  const buffer = await context.startRendering();
+  return [0, 1].map((channel) => buffer.getChannelData(channel));
 };
 
 let playing: AudioContext | null = null;
 /** Notes, as the workshop renders them, one after the other; what was played before ends. `begins` is called when the
  * first one begins. @returns once they are over. */
-export const play = async (notes: Float32Array[], begins: () => void): Promise<void> => {
+export const play = async (notes: Note[], begins: () => void): Promise<void> => {
   void playing?.close();
   playing = null;
   const context = (playing = await begun({}));
   let at_s = context.currentTime + 0.05;
   const over = notes.map((note) => new Promise<void>((resolve) => {
-    const buffer = context.createBuffer(1, note.length, 1 / SOUND_STEP_S), source = new AudioBufferSourceNode(context, { buffer });
-    const gain = new GainNode(context, { gain: 1 / FULL_SCALE_N });
-    buffer.copyToChannel(note as Float32Array<ArrayBuffer>, 0);
-    gain.gain.setValueAtTime(1 / FULL_SCALE_N, at_s + buffer.duration - FADE_S);
+    const buffer = context.createBuffer(2, note.bridge_n.length, 1 / SOUND_STEP_S), source = new AudioBufferSourceNode(context, { buffer });
+    const scale = 1 / FULL_SCALE[note.unit], gain = new GainNode(context, { gain: scale });
+    note.channels.forEach((samples, channel) => buffer.copyToChannel(samples, channel));
+    gain.gain.setValueAtTime(scale, at_s + buffer.duration - FADE_S);
     gain.gain.linearRampToValueAtTime(0, at_s + buffer.duration);
     source.connect(gain).connect(context.destination);
     source.start(at_s);

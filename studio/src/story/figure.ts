@@ -33,6 +33,7 @@ export class Figure {
   private readonly pace = h("p", { class: "pace" }, "loading the model");
   private readonly facts = h("dl", { class: "facts", "aria-hidden": "true" });
   private readonly result = h("p", { class: "outcome" });
+  private readonly heard = h("p", { class: "heard", role: "status" });
   private readonly pressButton: HTMLElement;
   private plot: Plot | null = null;
   private strip: Strip | null = null;
@@ -64,14 +65,16 @@ export class Figure {
     }, this.track, goal, this.thumb, h("span", { class: "word", "aria-hidden": "true" }, "drag"));
     this.pressButton = h("button", { type: "button", class: "press" }, "Press and hold");
     const show = h("button", { type: "button", class: "show", onclick: () => this.show() }, "Show me");
-    const acts = h("div", { class: "acts" }, this.switch(), this.pressButton, show);
+    const listen = h("button", { type: "button", class: "listen" }, "Hear it");
+    listen.addEventListener("click", () => void this.listen_to(listen));
+    const acts = h("div", { class: "acts" }, this.switch(), this.pressButton, show, step.setups.some(({ sounds }) => sounds) ? listen : null);
     this.frame.prepend(this.grip);
     if (step.plot) this.plot = new Plot(this.frame);
     this.frame.append(this.facts, this.pace);
     const caption = element.querySelector("figcaption")!;
     caption.append(this.result);
     if (!element.classList.contains("wide")) this.strip = new Strip(caption);
-    caption.append(acts);
+    caption.append(acts, this.heard);
     this.listen();
     this.place(0);
     if (goal) new ResizeObserver(() => this.mark(goal)).observe(this.frame);
@@ -158,6 +161,16 @@ export class Figure {
     this.rested = true;
     this.live?.stop();
     this.live?.play(this.step.show);
+  }
+
+  /** Lets the step's own stroke be heard. */
+  private async listen_to(button: HTMLButtonElement): Promise<void> {
+    const { live } = this;
+    if (!live) return;
+    button.disabled = true;
+    this.heard.textContent = "The note is computed \u2026";
+    this.heard.textContent = await live.listen(this.step.setups[this.option]!, this.step.show).catch((error: Error) => `No sound: ${error.message}.`);
+    button.disabled = false;
   }
 
   // -------------------------------------------------------------------------------------------------------- the finger

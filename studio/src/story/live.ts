@@ -1,6 +1,6 @@
 // The engine under one figure at a time: what is asked of the player's worker, frame by frame. Knows nothing of
 // figures.
-import type { FromPlayer, Scene, Slow, ToPlayer, Touch } from "../engine/protocol";
+import { type FromPlayer, HEARD, type Note, type Scene, type Slow, type ToPlayer, type Touch } from "../engine/protocol";
 import { Bench } from "../page/bench";
 
 export type Frame = Extract<FromPlayer, { kind: "frame" }>;
@@ -12,12 +12,18 @@ export interface Setup {
   /** Changes the file's text beyond what dials can. */
   edit?: (text: string) => string;
   pedal_mm?: number;
+  /** Whether its strings sound. */
+  sounds?: boolean;
 }
 
 /** How firm the fingertip is, N/m: the key follows the finger, and bone is felt at the key's bottom. */
 const FIRM_N_PER_M = 3000;
+/** How much of a note is heard, s. */
+const NOTE_S = 2;
 /** How many points a curve has. */
 const POINTS = 320;
+/** How a stroke that the step plays by itself is called. */
+const OWN = "the step\u2019s own stroke";
 /** Without an answer for so many frames the worker is taken to hang. */
 const PATIENCE = 600;
 
@@ -34,6 +40,8 @@ export class Live {
   private waited = 0;
   private loaded = false;
   slow: Slow[] = [];
+  /** What was heard last; for tests. */
+  note: Note | null = null;
   /** From when on curves are wanted, s, and for how long at most; null: none are. */
   since: { from_s: number; most_s: number } | null = null;
   private now_s = 0;
@@ -132,8 +140,18 @@ export class Live {
   /** Plays a table of times and places of the key. */
   play(csv: string): void {
     this.touch = { kind: "finger", position_m: null, firmness_n_m: FIRM_N_PER_M };
-    this.tell({ kind: "stroke", stroke: { csv, name: "the step’s own stroke" } });
+    this.tell({ kind: "stroke", stroke: { csv, name: OWN } });
     this.wake();
+  }
+
+  /** Lets a table of forces or places be heard, as it sounds from rest. @returns once it begins, what is heard; a
+   * sentence. */
+  async listen(setup: Setup, csv: string): Promise<string> {
+    const [{ play }, text] = await Promise.all([import("../page/sound"), this.textOf(setup)]);
+    const task = { kind: "sound", text, stroke: { csv, name: OWN }, pedal_m: 1e-3 * (setup.pedal_mm ?? 0), seconds: NOTE_S } as const;
+    const note = (this.note = await this.bench.ask<Note>(task, "sound"));
+    await new Promise<void>((begins, fails) => void play([note], begins).catch(fails));
+    return `Heard: ${HEARD[note.unit]}.`;
   }
 
   stop(): void {

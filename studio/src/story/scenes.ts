@@ -64,7 +64,7 @@ const REPEAT: Slow[] = [
   { of: "key", from_m: 0.0012, to_m: 0.0088, going: -1, least_m_per_s: 0.01, pace: 1 / 12 },
 ];
 
-const GRAND: Setup = { base: "concert-grand" }, STRINGS: Setup = { base: "concert-grand-strings" };
+const GRAND: Setup = { base: "concert-grand" }, STRINGS: Setup = { base: "concert-grand-strings", sounds: true };
 const mm = (m: number, decimals = 1): string => `${fixed(1e3 * m, decimals)}\u00a0mm`;
 const times = (count: number): string => (count === 0 ? "not at all" : count === 1 ? "once" : count === 2 ? "twice" : `${count} times`);
 const KEY = (now: Now): [string, string] => ["key down", mm(now.pose.key_m)];

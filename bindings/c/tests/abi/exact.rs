@@ -3,6 +3,7 @@
 use std::ptr::{null, null_mut};
 
 use erard::Input;
+use erard::knocks::{KeyBed, Knock, Knocks};
 use erard_c::*;
 
 use crate::{Action, last_error, moving, pushed};
@@ -341,8 +342,10 @@ fn chord_is_heard([leave, end]: [u32; 2], pressed_n: f64) {
     let keyboard = Keyboard(unsafe { erard_keyboard_builtin(name.as_ptr(), STEP_S, null_mut()) });
     assert!(!keyboard.0.is_null(), "{}", last_error());
     let native = erard::keyboard::Keyboard::builtin("concert-grand-strings").unwrap();
-    let mut keys =
-        erard::keyboard::Keys::at_rest(&native.instruments().unwrap(), erard::Settings::new(STEP_S)).unwrap();
+    let instruments = native.instruments().unwrap();
+    let mut keys = erard::keyboard::Keys::at_rest(&instruments, erard::Settings::new(STEP_S)).unwrap();
+    keys.listen(&instruments, &Knock::ALL);
+    let mut beds = [KeyBed::new(1.0 / STEP_S), KeyBed::new(1.0 / STEP_S)];
     keys.set_pedal(0.007);
     assert_eq!(unsafe { erard_keyboard_set_pedal(keyboard.0, 0.007) }, ErardStatus::Ok);
     let alone = Action(unsafe {
@@ -355,7 +358,10 @@ fn chord_is_heard([leave, end]: [u32; 2], pressed_n: f64) {
     let own = erard::Instrument::builtin("concert-grand-strings").unwrap();
     let mut beside = erard::Action::with(&own, erard::Settings::new(STEP_S)).unwrap();
     beside.set_pedal(0.007);
+    let knocks = Knocks::of(&own, &Knock::ALL);
     let (mut impacts, mut loudest_n, mut force_n) = (0, 0.0_f64, f64::NAN);
+    // Of all keys and of one alone: the loudest sound, and the loudest of the knocks in it, Pa.
+    let (mut heard_pa, mut loudest_pa) = ([0.0; 2], [[0.0_f64; 2]; 2]);
     for n in 0..end {
         let finger_force_n = if n < leave { pressed_n } else { 0.0 };
         for key in [40, 44, 47] {
@@ -375,9 +381,26 @@ fn chord_is_heard([leave, end]: [u32; 2], pressed_n: f64) {
         alone.force(finger_force_n);
         beside.step(Input::Force(finger_force_n));
         assert_eq!(unsafe { erard_action_bridge_force(alone.0, &raw mut force_n) }, ErardStatus::Ok);
-        assert_eq!(force_n.to_bits(), beside.strings().unwrap().bridge_n().to_bits(), "step {n}");
+        let strings = beside.strings().unwrap();
+        assert_eq!(force_n.to_bits(), strings.bridge_n().to_bits(), "step {n}");
+        // The pressure: the boards', and the key bed's.
+        let own_n = knocks.force_n(|zone| beside.mechanism().normal_force(zone));
+        for (which, (strings_pa, force_n)) in
+            [(keys.pressure_pa(), keys.knocks_n()), (strings.pressure_pa().unwrap(), own_n)].into_iter().enumerate()
+        {
+            let status = match which {
+                0 => unsafe { erard_keyboard_pressure(keyboard.0, heard_pa.as_mut_ptr()) },
+                _ => unsafe { erard_action_pressure(alone.0, heard_pa.as_mut_ptr()) },
+            };
+            let bed_pa = beds[which].hear(force_n);
+            assert_eq!(status, ErardStatus::Ok);
+            assert_eq!(heard_pa, [strings_pa[0] + bed_pa[0], strings_pa[1] + bed_pa[1]], "{which} in step {n}");
+            let [all, knocks] = &mut loudest_pa[which];
+            (*all, *knocks) = (all.max(heard_pa[0].abs()), knocks.max(bed_pa[0].abs()));
+        }
     }
     assert!(impacts == 3 && loudest_n > 1.0, "{impacts} impacts, {loudest_n} N");
+    assert!(loudest_pa.iter().all(|[all, knocks]| *all > 0.1 && *knocks > 0.01), "{loudest_pa:?}");
     // A key that rests is silent; what is wrong is refused.
     unsafe {
         assert_eq!(erard_keyboard_bridge_force(keyboard.0, 89, &raw mut force_n), ErardStatus::NoSuch);
@@ -385,6 +408,14 @@ fn chord_is_heard([leave, end]: [u32; 2], pressed_n: f64) {
         assert_eq!(erard_action_bridge_force(null_mut(), &raw mut force_n), ErardStatus::Null);
         assert_eq!(erard_keyboard_total_bridge_force(null_mut(), &raw mut force_n), ErardStatus::Null);
         assert_eq!(erard_keyboard_total_bridge_force(keyboard.0, null_mut()), ErardStatus::Null);
+        assert_eq!(erard_keyboard_pressure(keyboard.0, null_mut()), ErardStatus::Null);
+        assert_eq!(erard_keyboard_pressure(null_mut(), heard_pa.as_mut_ptr()), ErardStatus::Null);
+        assert_eq!(erard_action_pressure(null_mut(), heard_pa.as_mut_ptr()), ErardStatus::Null);
+        // Without a soundboard there is nothing to hear.
+        let rigid = Keyboard::new();
+        assert_eq!(erard_keyboard_pressure(rigid.0, heard_pa.as_mut_ptr()), ErardStatus::NoSuch);
+        let rigid = Action::grand();
+        assert_eq!(erard_action_pressure(rigid.0, heard_pa.as_mut_ptr()), ErardStatus::NoSuch);
         // A key's instrument by the keyboard's name: the same as of the file.
         let mut status = ErardStatus::Ok;
         let instrument = erard_instrument_of_keyboard(name.as_ptr(), 47, &raw mut status);

@@ -13,7 +13,7 @@ const FRONTS: [&str; 6] = ["Rust", "Python", "C", "C++", "FMU", "studio"];
 const NO: &str = "";
 
 /// What is offered, and by which name in each front.
-const TABLE: [(&str, [&str; 6]); 11] = [
+const TABLE: [(&str, [&str; 6]); 12] = [
     (
         "a hand: mass and muscle",
         ["Input::Hand", "Hand", "ERARD_INPUT_HAND", "place_hand", "hand_mass", "erard_stroke_new"],
@@ -52,6 +52,10 @@ const TABLE: [(&str, [&str; 6]); 11] = [
             "bridge_force",
             "erard_keyboard_total_bridge_force",
         ],
+    ),
+    (
+        "sound before the board",
+        ["Keys::pressure_pa", NO, "erard_keyboard_pressure", "pressure", NO, "erard_keyboard_pressure"],
     ),
     ("saved states", ["Action::save", "save", "erard_action_save", "save", "fmi2GetFMUstate", "erard_action_save"]),
     (

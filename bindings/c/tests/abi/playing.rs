@@ -6,6 +6,7 @@ use std::ptr::{null, null_mut};
 
 use erard::instrument::InstrumentFile;
 use erard::level::{DURATION_S, HandKind, MASS_KG, Reference, named};
+use erard::mechanism::Halving;
 use erard::run::{Setup, press_by_hand};
 use erard::stroke::{NUANCES, Touch};
 use erard::{Instrument, Run};
@@ -531,9 +532,11 @@ fn steps_are_whole_where_the_caller_says_so() {
     let step_s = 1.0 / 24e3;
     let instrument = Instrument::builtin("concert-grand-strings").expect("built in");
     let mut found = Vec::new();
-    for (kind, halving) in
-        [(ERARD_HALVING_AUTO, erard::mechanism::Halving::Auto), (ERARD_HALVING_NEVER, erard::mechanism::Halving::Never)]
-    {
+    for (kind, halving) in [
+        (ERARD_HALVING_AUTO, Halving::Auto),
+        (ERARD_HALVING_FEWER, Halving::Fewer(2)),
+        (ERARD_HALVING_NEVER, Halving::Never),
+    ] {
         let own = unsafe { erard_action_new(text.as_ptr().cast(), text.len(), step_s, null_mut()) };
         assert!(!own.is_null(), "{}", last_error());
         assert_eq!(unsafe { erard_action_set_halving(own, kind) }, ErardStatus::Ok);
@@ -551,7 +554,7 @@ fn steps_are_whole_where_the_caller_says_so() {
         found.push(reading.hammer_rise_m);
         unsafe { erard_action_free(own) };
     }
-    assert_ne!(found[0], found[1]);
+    assert!(found[0] != found[1] && found[1] != found[2] && found[0] != found[2], "{found:?}");
     assert_eq!(unsafe { erard_action_set_halving(null_mut(), ERARD_HALVING_NEVER) }, ErardStatus::Null);
     assert_eq!(unsafe { erard_keyboard_set_halving(null_mut(), ERARD_HALVING_NEVER) }, ErardStatus::Null);
 }

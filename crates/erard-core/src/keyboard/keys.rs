@@ -13,14 +13,16 @@ use crate::assembly::{describe, probes};
 use crate::identity::Identity;
 use crate::index::IndexError;
 use crate::instrument::Instrument;
+use crate::knocks::{Knock, Knocks};
 use crate::mechanism::{Halving, Impact, TellNumbers};
 use crate::player::rest::Rest;
 use crate::player::snapshot::strings_are_finite;
 use crate::player::{Action, ActionError, Input, MechanismState, Reading, Snapshot, SnapshotError};
 use crate::strings::Strings;
 
-/// Time for the keys to come to a complete rest before they are handed over, s: a few steps are enough.
-const SETTLING_S: f64 = 0.1;
+/// Time for the keys to come to a complete rest before they are handed over, s. For most of them a few steps are
+/// enough; strings on a soundboard take a tenth of a second and more.
+const SETTLING_S: f64 = 1.0;
 
 /// Why the keys cannot be assembled.
 #[derive(Debug, Error)]
@@ -89,12 +91,43 @@ impl Keys {
         for key in 1..=keys.count() {
             keys.place_hand_at(key - 1, 0.0, 0.0);
         }
-        let mut steps = (SETTLING_S / settings.step) as u64;
-        while keys.awake() > 0 && steps > 0 {
-            keys.step();
+        keys.settle();
+        Ok(keys)
+    }
+
+    /// Steps them until all of them sleep, or for as long as that may take.
+    fn settle(&mut self) {
+        let mut steps = (SETTLING_S / self.settings().step) as u64;
+        while self.awake() > 0 && steps > 0 {
+            self.step();
             steps -= 1;
         }
-        Ok(keys)
+    }
+
+    /// Has their forces on the key bed added up from now on, of these knocks: [`Keys::knocks_n`]. Takes the instruments
+    /// that they are made of. Allocates.
+    pub fn listen(&mut self, instruments: &[Instrument], knocks: &[Knock]) {
+        for (index, instrument) in instruments.iter().enumerate().take(self.count()) {
+            self.bank.listen(index, Knocks::of(instrument, knocks).zones());
+        }
+    }
+
+    /// By how much the sum of the forces on the key bed has changed so far, N ([`Keys::listen`]): what [`KeyBed::hear`]
+    /// hears. A state that is restored changes nothing.
+    ///
+    /// [`KeyBed::hear`]: crate::knocks::KeyBed::hear
+    #[must_use]
+    pub fn knocks_n(&self) -> f64 {
+        (0..self.count()).map(|index| self.bank.listened_n(index)).sum()
+    }
+
+    /// Sound pressure now at two places before the board, Pa: the sum of [`Strings::pressure_pa`] in the order of the
+    /// keys. Strings of keys that sleep are silent.
+    #[must_use]
+    pub fn pressure_pa(&self) -> [f64; 2] {
+        let awake = (0..self.count()).filter(|index| self.bank.is_awake(*index));
+        let heard = awake.filter_map(|index| self.strings_at(index)).filter_map(Strings::pressure_pa);
+        heard.fold([0.0; 2], |[left, right], own| [left + own[0], right + own[1]])
     }
 
     /// The settings that they are stepped with.
@@ -199,10 +232,14 @@ impl Keys {
 
     /// Sets the number of halvings of a step while a hammer is near modal strings, from the next step on:
     /// [`Action::halve`], for all keys. As these ask, at first; with [`Halving::Never`] the worst step of a chord costs
-    /// a fifteenth, and contacts in the treble last too long (the book's chapter "Strings"). Wakes the keys. May
-    /// allocate.
+    /// a fifteenth, and contacts in the treble last too long (the book's chapter "Strings"). Wakes the keys; if all of
+    /// them slept, time goes on until they do again. May allocate.
     pub fn halve(&mut self, halving: Halving) {
+        let all_slept = self.awake() == 0;
         self.bank.halve(halving);
+        if all_slept {
+            self.settle();
+        }
     }
 
     /// Steps all keys that are awake. Never allocates.

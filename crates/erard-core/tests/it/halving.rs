@@ -131,23 +131,27 @@ fn worst(impact: &Impact, exact: &Impact, hz: &dyn Fn(u32) -> f64) -> [f64; 3] {
     [pulse, db, cents]
 }
 
-/// An impact beside the same in steps an eighth as long, from pp to ff: peak, contact and return within 1 %, partials
-/// within 40 dB of the strongest within 0.1 dB and 0.1 cent. On a bridge that stands still, where each partial is one
-/// by itself; on the soundboard, which mixes them, peak, contact and return of a mezzo forte.
-fn compass(keys: &[usize]) {
+/// What is left of the error: of peak, contact and return, as a share; of partials within 40 dB of the strongest, dB
+/// and cents.
+const CONVERGED: [f64; 3] = [0.01, 0.1, 0.1];
+
+/// An impact beside the same in steps an eighth as long, from pp to ff: what is left of the error. On a bridge that
+/// stands still, where each partial is one by itself; on the soundboard, which mixes them, peak, contact and return of
+/// a mezzo forte.
+fn compass(keys: &[usize], halving: Halving, [most_pulse, most_db, most_cents]: [f64; 3]) {
     let keyboard = Keyboard::builtin("concert-grand-strings").unwrap();
     for &key in keys {
         let instrument = keyboard.key(key).unwrap();
         let hz = |n: u32| instrument.strings[0].partial_hz(n);
         let [own, exact] =
-            [Halving::Auto, Halving::Further(3)].map(|halving| thrown(&instrument, SPEEDS_M_PER_S[1], halving));
+            [halving, Halving::Further(3)].map(|halving| thrown(&instrument, SPEEDS_M_PER_S[1], halving));
         let [pulse, ..] = worst(&own, &exact, &hz);
         println!("key {key} on the soundboard: off by {:.3} %", 100.0 * pulse);
-        assert!(pulse < 0.01, "key {key}: {pulse}");
+        assert!(pulse < most_pulse, "key {key}: {pulse}");
         let instrument = with_rigid_bridge(instrument.clone());
         for speed_m_per_s in SPEEDS_M_PER_S {
             let exact = thrown(&instrument, speed_m_per_s, Halving::Further(3));
-            let own = thrown(&instrument, speed_m_per_s, Halving::Auto);
+            let own = thrown(&instrument, speed_m_per_s, halving);
             let [pulse, db, cents] = worst(&own, &exact, &hz);
             println!(
                 "key {key}, {:.2} m/s: {:.2} ms in {} steps, off by {:.3} %, {db:.3} dB, {cents:.1e} cents",
@@ -156,28 +160,35 @@ fn compass(keys: &[usize]) {
                 own.steps_of_contact,
                 100.0 * pulse
             );
-            assert!(pulse < 0.01 && db < 0.1 && cents < 0.1, "key {key}, {speed_m_per_s} m/s: {pulse} {db} {cents}");
+            let right = pulse < most_pulse && db < most_db && cents < most_cents;
+            assert!(right, "key {key}, {speed_m_per_s} m/s: {pulse} {db} {cents}");
         }
     }
 }
 
 #[test]
 fn a_blow_has_converged_at_three_keys() {
-    compass(&[1, 40, 88]);
+    compass(&[1, 40, 88], Halving::Auto, CONVERGED);
+}
+
+/// In the fewer steps of a loop that plays sound a blow is nearly the same: `docs/notes/speed.md` has the numbers.
+#[test]
+fn a_blow_in_fewer_steps_is_nearly_the_same() {
+    compass(&[1, 40, 72, 88], Halving::Fewer(2), [0.01, 1.0, 0.1]);
 }
 
 #[test]
 #[ignore = "ci: every sixth key, and the hardest"]
 fn a_blow_has_converged_at_every_sixth_key() {
     let keys: Vec<usize> = (1..=88).step_by(6).chain([68, 72, 77]).collect();
-    compass(&keys);
+    compass(&keys, Halving::Auto, CONVERGED);
 }
 
 mod nightly {
     #[test]
     #[ignore = "nightly: all keys"]
     fn a_blow_has_converged_at_every_key() {
-        super::compass(&(1..=88).collect::<Vec<_>>());
+        super::compass(&(1..=88).collect::<Vec<_>>(), super::Halving::Auto, super::CONVERGED);
     }
 }
 
