@@ -87,7 +87,7 @@ fn blocks(instruments: &[Instrument], pressed: &[usize], pedal_m: f64, sleep: bo
     keys.halve(Halving::Fewer(2));
     keys.let_sleep(sleep);
     keys.set_pedal(pedal_m);
-    let mut go = |steps: u32, keys: &mut Keys| {
+    let go = |steps: u32, keys: &mut Keys| {
         let started = Instant::now();
         for _ in 0..steps {
             black_box(keys.step());

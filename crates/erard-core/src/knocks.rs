@@ -9,7 +9,7 @@
 //! M_k (q_k'' + eta_k w_k q_k' + w_k^2 q_k) = F,   p = sum g_k q_k'
 //! ```
 //!
-//! with g_k of [`crate::radiation`]. A force that is constant within a sample moves a mode around its static
+//! with g_k as for a soundboard. A force that is constant within a sample moves a mode around its static
 //! displacement F / (M w^2), exactly. So a force that does not change is silent, and the bed is one for all keys: it
 //! hears by how much the sum of their forces changes.
 //!

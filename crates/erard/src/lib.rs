@@ -57,6 +57,7 @@ pub use erard_core::{
 // Keyboards.
 pub use erard_core::key::{KEYS, UnknownKey, key_named, note_name};
 pub use erard_core::keyboard::{KeyImpact, Keyboard, Keys, KeysError, Tick, UnknownKeyboard};
+pub use erard_core::knocks::{KeyBed, Knock};
 pub use erard_core::strings::{Pedal, PedalError, Strings};
 
 // Strokes.
