@@ -79,6 +79,10 @@ static void made(int is_there, int code, int told, int bad) {
 
 static void begin(void) {
     ErardStatus found = ERARD_STATUS_OK;
+    /* The words of the call before, for those that leave them. */
+    if (erard_instrument_builtin("harpsichord", &found) || strlen_of(erard_last_error()) < 4) {
+        wrong("an unknown instrument, without a word");
+    }
     instrument = erard_instrument_builtin("concert-grand-rigid", &found);
     action = erard_action_of_instrument(instrument, 50e-6, &found);
     keyboard = erard_keyboard_builtin("concert-grand", 50e-6, &found);
