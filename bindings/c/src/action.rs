@@ -38,7 +38,7 @@ impl ErardAction {
         })?;
         let string = action.strings().map(|strings| (strings.probe_places_m(), strings.shape_probe()));
         let name = |name: &String| CString::new(name.as_str()).unwrap_or_default();
-        let is_heard = string.is_some() && Heard::of(std::slice::from_ref(instrument)) == Heard::Pressure;
+        let is_heard = Heard::of(std::slice::from_ref(instrument)) == Heard::Pressure;
         Ok(ErardAction {
             ear: is_heard.then(|| (Knocks::of(instrument, &Knock::ALL), KeyBed::new(1.0 / step_s))),
             play: Play::new(action, instrument.zones.len()),

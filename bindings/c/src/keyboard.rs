@@ -105,8 +105,7 @@ impl ErardKeyboard {
         let mut keys =
             Keys::at_rest(instruments, settings(step_s)).map_err(|error| keys_fault(ErardStatus::Model, &error))?;
         let (inputs, impacts) = (vec![ErardInput::default(); keys.count()], vec![(0.0, 0.0, 0); keys.count()]);
-        let is_strung = instruments.iter().any(Instrument::has_yielding_strings);
-        let bed = (is_strung && Heard::of(instruments) == Heard::Pressure).then(|| {
+        let bed = (Heard::of(instruments) == Heard::Pressure).then(|| {
             keys.listen(instruments, &Knock::ALL);
             KeyBed::new(1.0 / step_s)
         });

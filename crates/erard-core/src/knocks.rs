@@ -25,6 +25,7 @@ use std::f64::consts::PI;
 
 use crate::instrument::{Band, BridgeMode, Instrument};
 use crate::radiation::Plate;
+use crate::strings::transition;
 
 /// The bed (see above).
 pub(crate) const BED: Plate = Plate { kg_per_m2: 20.0, coincidence_hz: 560.0 };
@@ -146,13 +147,8 @@ impl KeyBed {
         let h = 1.0 / rate_hz;
         let moving = |(mode, gain): (&BridgeMode, [f64; 2])| {
             let omega = 2.0 * PI * mode.frequency_hz;
-            let sigma = 0.5 * mode.loss_factor * omega;
-            let w = (omega * omega - sigma * sigma).sqrt();
-            let (sine, cosine, falls) = (libm::sin(w * h) / w, libm::cos(w * h), libm::exp(-sigma * h));
-            let by = [
-                [falls * (cosine + sigma * sine), falls * sine],
-                [-falls * omega * omega * sine, falls * (cosine - sigma * sine)],
-            ];
+            let [qq, qv, vq, vv] = transition(omega, 0.5 * mode.loss_factor * omega, h);
+            let by = [[qq, qv], [vq, vv]];
             Moving { at: [0.0; 2], by, m_per_n: 1.0 / (mode.mass_kg * omega * omega), omega, gain }
         };
         KeyBed { modes: modes.iter().zip(BED.gains(&modes)).map(moving).collect(), is_still: true, force_n: None }

@@ -247,6 +247,8 @@ export interface Note {
   channels: [Float32Array<ArrayBuffer>, Float32Array<ArrayBuffer>];
   bridge_n: Float32Array<ArrayBuffer>;
 }
+/** How much of a note is heard, s. */
+export const NOTE_S = 2;
 /** Length of a step where strings are heard, s. */
 export const SOUND_STEP_S = 1 / 24e3;
 

@@ -1,11 +1,9 @@
 // What was played last, to be heard: rendered by the workshop, action after action. Loaded when it is asked for.
-import { HEARD, type Note, type Stroke } from "../engine/protocol";
+import { HEARD, NOTE_S, type Note, type Stroke } from "../engine/protocol";
 import type { App } from "./app";
 import { fixed } from "./dom";
 import { play } from "./sound";
 
-/** How much of a note is heard, s. */
-const NOTE_S = 2;
 /** Where nothing was played yet. */
 const USUAL: Stroke = { nuance: "mf", struck: false };
 
@@ -23,9 +21,7 @@ export const hear = async (app: App, actions: number[]): Promise<string> => {
     notes.push(note);
   }
   app.sounds = notes;
-  await new Promise<void>((resolve, reject) => {
-    play(notes, resolve).catch(reject);
-  });
+  await play(notes);
   const heard = [...new Set(notes.map((note) => HEARD[note.unit]))].join("; ");
   return `Heard, at the same gain for all notes: ${heard}. ${said.join("; ")}.`;
 };

@@ -60,9 +60,9 @@ export const rendered = async (module: WebAssembly.Module, name: string, turns: 
 };
 
 let playing: AudioContext | null = null;
-/** Notes, as the workshop renders them, one after the other; what was played before ends. `begins` is called when the
- * first one begins. @returns once they are over. */
-export const play = async (notes: Note[], begins: () => void): Promise<void> => {
+/** Notes, as the workshop renders them, one after the other; what was played before ends. @returns once the first one
+ * begins. */
+export const play = async (notes: Note[]): Promise<void> => {
   void playing?.close();
   playing = null;
   const context = (playing = await begun({}));
@@ -78,8 +78,8 @@ export const play = async (notes: Note[], begins: () => void): Promise<void> => 
     source.onended = () => resolve();
     at_s += buffer.duration + PAUSE_S;
   }));
-  begins();
-  await Promise.all(over);
-  if (playing === context) playing = null;
-  void context.close();
+  void Promise.all(over).then(() => {
+    if (playing === context) playing = null;
+    void context.close();
+  });
 };

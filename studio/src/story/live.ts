@@ -1,6 +1,6 @@
 // The engine under one figure at a time: what is asked of the player's worker, frame by frame. Knows nothing of
 // figures.
-import { type FromPlayer, HEARD, type Note, type Scene, type Slow, type ToPlayer, type Touch } from "../engine/protocol";
+import { type FromPlayer, HEARD, NOTE_S, type Note, type Scene, type Slow, type ToPlayer, type Touch } from "../engine/protocol";
 import { Bench } from "../page/bench";
 
 export type Frame = Extract<FromPlayer, { kind: "frame" }>;
@@ -18,8 +18,6 @@ export interface Setup {
 
 /** How firm the fingertip is, N/m: the key follows the finger, and bone is felt at the key's bottom. */
 const FIRM_N_PER_M = 3000;
-/** How much of a note is heard, s. */
-const NOTE_S = 2;
 /** How many points a curve has. */
 const POINTS = 320;
 /** How a stroke that the step plays by itself is called. */
@@ -150,7 +148,7 @@ export class Live {
     const [{ play }, text] = await Promise.all([import("../page/sound"), this.textOf(setup)]);
     const task = { kind: "sound", text, stroke: { csv, name: OWN }, pedal_m: 1e-3 * (setup.pedal_mm ?? 0), seconds: NOTE_S } as const;
     const note = (this.note = await this.bench.ask<Note>(task, "sound"));
-    await new Promise<void>((begins, fails) => void play([note], begins).catch(fails));
+    await play([note]);
     return `Heard: ${HEARD[note.unit]}.`;
   }
 

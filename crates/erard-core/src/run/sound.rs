@@ -31,11 +31,12 @@ pub enum Heard {
 }
 
 impl Heard {
-    /// What is heard of instruments together: the pressure, if the strings of all that have some move a board.
+    /// What is heard of instruments together: the pressure, if some have strings, all of which move a board.
     #[must_use]
     pub fn of(instruments: &[Instrument]) -> Self {
-        let mut strung = instruments.iter().filter(|instrument| instrument.has_yielding_strings());
-        match strung.all(|own| !own.roles.rigid_bridge && !own.bridge_modes.is_empty()) {
+        let mut strung = instruments.iter().filter(|instrument| instrument.has_yielding_strings()).peekable();
+        let is_strung = strung.peek().is_some();
+        match is_strung && strung.all(|own| !own.roles.rigid_bridge && !own.bridge_modes.is_empty()) {
             true => Heard::Pressure,
             false => Heard::BridgeForce,
         }

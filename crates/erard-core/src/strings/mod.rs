@@ -49,6 +49,7 @@ mod shape_probe;
 
 pub use modal::Strings;
 pub use pedal::{MAX_PEDAL_M, PEDAL_M_PER_S, Pedal, PedalError};
+pub(crate) use rows::transition;
 pub use shape_probe::ShapeProbe;
 
 use crate::instrument::Instrument;

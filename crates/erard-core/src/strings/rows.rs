@@ -114,7 +114,7 @@ pub(super) fn added(x: [f64; WIDE]) -> f64 {
 }
 
 /// The exact step of length h of a free mode: (q, v) -> (qq q + qv v, vq q + vv v). An overdamped one, too.
-pub(super) fn transition(omega: f64, sigma: f64, h: f64) -> [f64; 4] {
+pub(crate) fn transition(omega: f64, sigma: f64, h: f64) -> [f64; 4] {
     let square = omega * omega - sigma * sigma;
     let decay = libm::exp(-sigma * h);
     let (c, s) = if square > 0.0 {
