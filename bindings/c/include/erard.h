@@ -91,7 +91,7 @@
 
 /**
  * Steps are halved as often as the strings need while a hammer is near them; the default. Impacts are converged. The
- * step in which ten impacts coincide in the top octave takes fifteen times as long.
+ * step in which ten impacts coincide in the top octave takes eight times as long.
  */
 #define ERARD_HALVING_AUTO 0
 
@@ -102,7 +102,7 @@
 #define ERARD_HALVING_NEVER 1
 
 /**
- * Steps are halved two times less often than the strings need: the worst step takes a fourth of the time, for loops
+ * Steps are halved two times less often than the strings need: the worst step takes a third of the time, for loops
  * that play sound. Impacts are right to half a per cent, partials within 40 dB of the strongest to a decibel.
  */
 #define ERARD_HALVING_FEWER 2

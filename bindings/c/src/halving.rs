@@ -7,12 +7,12 @@ use crate::keyboard::ErardKeyboard;
 use crate::status::{ErardStatus, Fault, tell};
 
 /// Steps are halved as often as the strings need while a hammer is near them; the default. Impacts are converged. The
-/// step in which ten impacts coincide in the top octave takes fifteen times as long.
+/// step in which ten impacts coincide in the top octave takes eight times as long.
 pub const ERARD_HALVING_AUTO: u32 = 0;
 /// Steps are never halved, so all take about the same time. The accuracy of impacts then depends on the step length: at
 /// 1/24000 s the contact of the top octave lasts a sixth too long.
 pub const ERARD_HALVING_NEVER: u32 = 1;
-/// Steps are halved two times less often than the strings need: the worst step takes a fourth of the time, for loops
+/// Steps are halved two times less often than the strings need: the worst step takes a third of the time, for loops
 /// that play sound. Impacts are right to half a per cent, partials within 40 dB of the strongest to a decibel.
 pub const ERARD_HALVING_FEWER: u32 = 2;
 

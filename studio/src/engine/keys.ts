@@ -9,7 +9,7 @@ const IMPACT_BYTES = 24;
 /** Bytes of ErardInput: its size, its kind and six doubles. */
 const INPUT_BYTES = 72;
 const FREE = 0, FORCE = 1, MOTION = 2;
-/** ERARD_HALVING_FEWER: a step near the strings takes a fourth of the time, with errors that nobody hears. */
+/** ERARD_HALVING_FEWER: a step near the strings takes a third of the time; the error is in `docs/notes/speed.md`. */
 const FEWER = 2;
 /** A fingertip's way is taken in so many seconds at a time. */
 const STRIDE_S = 1e-3;

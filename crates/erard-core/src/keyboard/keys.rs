@@ -232,7 +232,7 @@ impl Keys {
 
     /// Sets the number of halvings of a step while a hammer is near modal strings, from the next step on:
     /// [`Action::halve`], for all keys. As these ask, at first; with [`Halving::Never`] the worst step of a chord costs
-    /// a fifteenth, and contacts in the treble last too long (the book's chapter "Strings"). Wakes the keys; if all of
+    /// an eighth, and contacts in the treble last too long (the book's chapter "Strings"). Wakes the keys; if all of
     /// them slept, time goes on until they do again. May allocate.
     pub fn halve(&mut self, halving: Halving) {
         let all_slept = self.awake() == 0;
